@@ -1,0 +1,48 @@
+/// The options of a run that belong to no module: what to start from, when to end, what to write.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/force/bond_list.hpp"
+#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/state/box.hpp"
+
+namespace nanoweft {
+
+struct RunSettings {
+  std::string restart;  ///< checkpoint to go on from; empty: a new run
+
+  std::optional<double> dt;
+  bool unsafeStep = false;
+  std::optional<long> maxSteps;
+  std::optional<double> maxTime;
+  double relaxTolerance = 0;  ///< 0: does not end the run
+  long relaxInterval = 5000;
+
+  double damping = 0;
+  ViscousDamping viscous;
+  double skin = 0;
+  bool allowOverlap = false;
+  double partitionTolerance = 1.05;
+  std::uint64_t seed = 1;
+  double perturb = 0;
+
+  long monitorInterval = 100;
+  double progressSeconds = 5;
+  std::string snapshotFile, checkpointFile, stateOutput;
+  long snapshotInterval = 0, checkpointInterval = 0;
+  bool stateForces = false;
+};
+
+/// Reads -units first, since all others depend on it.
+const UnitSystem& readUnits(Options& options);
+RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pairs);
+/// Breakage is on when any of its options is given.
+std::optional<BreakageLaw> readBreakage(Options& options, std::uint64_t seed);
+/// Replaces what -domain_lower, -domain_upper and -domain_periodic say.
+void readDomain(Options& options, const UnitSystem& units, Box& box);
+
+}  // namespace nanoweft

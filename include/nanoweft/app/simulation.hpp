@@ -1,0 +1,91 @@
+/// One run, from options to final state.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "nanoweft/app/settings.hpp"
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/domain/domain.hpp"
+#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/motion/boundary.hpp"
+#include "nanoweft/motion/verlet.hpp"
+#include "nanoweft/record/energies.hpp"
+#include "nanoweft/record/snapshots.hpp"
+#include "nanoweft/record/table_monitor.hpp"
+#include "nanoweft/scene/scene.hpp"
+#include "nanoweft/state/state_file.hpp"
+
+namespace nanoweft {
+
+/// How a run ended; the values are the exit statuses.
+enum class Ending { done = 0, stopped = 3 };
+
+class Simulation {
+ public:
+  /// Reads all options and builds the run; throws InputError. `threads`: of each rank.
+  Simulation(MPI_Comm comm, Options& options, int threads);
+
+  /// With -help there is nothing to run.
+  bool runnable() const { return state_ != nullptr; }
+  Ending run();
+
+ private:
+  /// What ranks tell each other in each step, as bits.
+  enum Notice { stale = 1, unstable = 2, stop = 4, progress = 8, broke = 16 };
+
+  void checkOutputs() const;
+  void build();
+  void perturb();
+  void refuseOverlap() const;
+  void chooseStep();
+  void begin();
+  void step();
+  int agreeOn(const DriftReport& drift);
+  void record();
+  bool atEnd() const;
+  bool due(long interval) const { return state_->step % interval == 0; }
+
+  RunRecord runRecord() const;
+  void restoreAccounts();
+  void writeCheckpoint(const std::string& file);
+  [[noreturn]] void reportInstability();
+
+  void printHeader() const;
+  void printProgress();
+  void printSummary() const;
+  double strain() const;
+
+  MPI_Comm comm_;
+  int threads_;
+  const UnitSystem& units_;
+  Fibre fibre_;
+  std::unique_ptr<PairForce> pairLaw_;
+  RunSettings settings_;
+  std::optional<BreakageLaw> breakage_;
+  std::optional<StateHeader> restartHeader_;
+  std::unique_ptr<Scene> scene_;
+  Boundaries boundaries_;
+  TableMonitor energyMonitor_, stressMonitor_;
+  Box box_;
+
+  std::unique_ptr<State> state_;
+  std::unique_ptr<Domain> domain_;
+  std::unique_ptr<ForceField> forces_;
+  std::optional<Verlet> verlet_;
+  std::optional<Snapshots> snapshots_;
+
+  EnergyAccounts accounts_;
+  ForceOutcome outcome_;
+  std::optional<Energies> energies_;  ///< of the present step, when computed
+  std::vector<std::int64_t> pendingBreaks_;
+  bool releasedPairs_ = false, stopAsked_ = false, converged_ = false;
+  double lastElastic_ = -1;  ///< at the last check of convergence
+  std::int64_t lastRecorded_ = -1, lastCheckpoint_ = -1, firstStep_ = 0;
+  double presentLimit_ = 0, firstTime_ = 0, firstBalance_ = 0, strength_ = 0;
+  double wallStart_ = 0, lastProgress_ = 0, progressWall_ = 0;
+  std::int64_t progressStep_ = 0;
+  PetscLogEvent driftEvent_, kickEvent_, recordEvent_, fileEvent_;
+};
+
+}  // namespace nanoweft

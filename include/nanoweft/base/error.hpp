@@ -1,0 +1,41 @@
+/// Errors. Both kinds are thrown by all ranks together, so that every rank leaves in step.
+#pragma once
+
+#include <petscsys.h>
+
+#include <source_location>
+#include <stdexcept>
+#include <string>
+
+namespace nanoweft {
+
+/// The user's input is wrong: one line, exit status 1.
+struct InputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The run failed (instability, lost segments, failed output): exit status 2.
+struct RunError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A PETSc call failed; what() says which and where.
+struct PetscFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Turns a PETSc error code into an exception.
+void petsc(PetscErrorCode code, std::source_location where = std::source_location::current());
+
+/// Makes PETSc keep the first message of an error for `petsc` instead of printing a trace (which
+/// would end all ranks but the first with status 0).
+void keepPetscErrors();
+
+/// Throws `Error` on all ranks when any rank's `problem` is not empty, with the lowest such rank's text.
+template <class Error>
+void agree(MPI_Comm comm, std::string problem);
+
+/// printf into a std::string.
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+
+}  // namespace nanoweft

@@ -1,0 +1,62 @@
+/// Hash map from 64-bit keys >= 0 to 32-bit indices, by open addressing: built once per rebuild,
+/// filled and looked up in a few nanoseconds.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace nanoweft {
+
+class IndexMap {
+ public:
+  explicit IndexMap(std::size_t expected = 0)
+      : slots_(std::bit_ceil(2 * expected + 16)), mask_(slots_.size() - 1) {}
+
+  /// Inserts `key` unless present; returns the index stored under it.
+  int insert(std::int64_t key, int index) {
+    if (2 * (count_ + 1) > slots_.size()) grow();
+    Slot& slot = find(key);
+    if (slot.key < 0) {
+      slot = {key, index};
+      ++count_;
+    }
+    return slot.index;
+  }
+
+  /// Index under `key`, or -1.
+  int at(std::int64_t key) const {
+    for (std::size_t k = hash(key) & mask_;; k = (k + 1) & mask_) {
+      if (slots_[k].key == key) return slots_[k].index;
+      if (slots_[k].key < 0) return -1;
+    }
+  }
+
+ private:
+  struct Slot {
+    std::int64_t key = -1;
+    int index = -1;
+  };
+
+  static std::size_t hash(std::int64_t key) {
+    auto h = static_cast<std::uint64_t>(key) * 0x9E3779B97F4A7C15ull;
+    return static_cast<std::size_t>(h ^ (h >> 32));
+  }
+  Slot& find(std::int64_t key) {
+    std::size_t k = hash(key) & mask_;
+    while (slots_[k].key >= 0 && slots_[k].key != key) k = (k + 1) & mask_;
+    return slots_[k];
+  }
+  void grow() {
+    std::vector<Slot> old(2 * slots_.size());
+    old.swap(slots_);
+    mask_ = slots_.size() - 1;
+    for (const Slot& s : old)
+      if (s.key >= 0) find(s.key) = s;
+  }
+
+  std::vector<Slot> slots_;
+  std::size_t mask_, count_ = 0;
+};
+
+}  // namespace nanoweft

@@ -1,0 +1,51 @@
+/// From a fibre's material and cross-section to the parameters of its segments and bonds
+/// (physics.md 2; Table 1 of the paper).
+///
+/// Symbols: rf radius, h wall, T segment length, E Young's and G shear modulus, S cross-section,
+/// J second moment of area, Jp = 2J polar moment, m and I a segment's mass and moment of inertia.
+#pragma once
+
+#include <string>
+
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+
+namespace nanoweft {
+
+/// Stiffnesses of an EVM bond and its rest length, in internal units.
+struct BondParameters {
+  double length = 0;       ///< T: rest length
+  double stretch = 0;      ///< B1 = E S/T                   (eV/A^2)
+  double shear = 0;        ///< B2 = 12 E J/T                (eV)
+  double bending = 0;      ///< B3 = -2 E J/T - G Jp/(2T)    (eV)
+  double torsion = 0;      ///< B4 = G Jp/T                  (eV)
+};
+
+/// One kind of fibre, in internal units.
+struct Fibre {
+  double radius = 0;   ///< rf
+  double wall = 0;     ///< h of a thin-walled tube; 0: a solid round fibre
+  double young = 0;    ///< E
+  double shear = 0;    ///< G
+  double mass = 0;     ///< of a segment
+  double length = 0;   ///< T of a segment
+  double inertia = 0;  ///< of a segment, isotropic
+  BondParameters bond;
+
+  double crossSection() const;        ///< S
+  double secondMoment() const;        ///< J
+  double bendingRigidity() const { return young * secondMoment(); }        ///< E J
+  double torsionalRigidity() const { return 2.0 * shear * secondMoment(); }  ///< G Jp
+
+  /// Fills `inertia` and `bond` from the other members.
+  void derive();
+};
+
+/// The (10,10) carbon nanotube of the paper's Table 1 (rf 6.78 A, wall 3.35 A, T 13.56 A,
+/// 1029 GPa, 459 GPa, 2649 amu a segment) in the given units.
+Fibre cnt1010(const UnitSystem& units);
+
+/// Reads -fibre_preset and the single parameters that override it.
+Fibre readFibre(Options& options, const UnitSystem& units);
+
+}  // namespace nanoweft

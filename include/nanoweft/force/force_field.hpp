@@ -1,0 +1,96 @@
+/// All forces between segments: bonds and pairs, over threads and ranks.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "nanoweft/domain/domain.hpp"
+#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/force/bond_list.hpp"
+#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_list.hpp"
+
+namespace nanoweft {
+
+/// What one evaluation found on this rank; sums are completed over the ranks by whoever reports.
+struct ForceOutcome {
+  ExactSum stretch, shear, bending, torsion, pair;  ///< when energies were asked for
+  ExactSum released;                                ///< energy of bonds that broke
+  std::vector<std::int64_t> broken;                 ///< rows of the first segments of those bonds
+};
+
+struct ForceRequest {
+  bool energies = false;
+  bool mayBreak = true;
+  bool viscous = true;  ///< false: leave State::viscous as it is
+};
+
+class ForceField {
+ public:
+  struct Settings {
+    Fibre fibre;
+    std::unique_ptr<PairForce> pair;  ///< empty: none
+    std::optional<BreakageLaw> breakage;
+    ViscousDamping viscous;
+    double skin = 0;  ///< 0: tuned while running
+    int threads = 1;
+  };
+  explicit ForceField(Settings settings, const Box& box);
+
+  /// Distributes the segments anew and makes the lists. Collective.
+  void rebuild(State& state, Domain& domain);
+
+  /// Sets State::force and torque of the owned segments (and viscous, with viscous damping).
+  ForceOutcome evaluate(State& state, Halo& halo, const ForceRequest& request);
+
+  /// Has the segment, now at `x`, moved so far that a pair might be missing from the list?
+  bool moved(const double* x, int i) const {
+    const double* r = &reference_[3 * static_cast<std::size_t>(i)];
+    const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
+    return !(dot(d, d) <= halfSkin2_);
+  }
+  bool tracksMotion() const { return settings_.pair != nullptr; }
+
+  const Fibre& fibre() const { return settings_.fibre; }
+  const PairForce* pair() const { return settings_.pair.get(); }
+  const PairList& pairList() const { return pairs_; }
+  const MinimumImage& nearest() const { return nearest_; }
+  const std::optional<BreakageLaw>& breakage() const { return settings_.breakage; }
+  const std::vector<Share>& shares() const { return shares_; }
+  const SumUnit& energyUnit() const { return energyUnit_; }
+  bool viscous() const { return static_cast<bool>(settings_.viscous); }
+  /// Reach of the pair list: cutoff, segment and skin.
+  double listRange() const { return settings_.pair ? settings_.pair->reach() + skin_ : 0.0; }
+  double skin() const { return skin_; }
+  std::int64_t rebuilds() const { return rebuilds_; }
+  std::int64_t pairsResolved() const { return resolved_; }
+  std::int64_t bonds() const { return bonds_.size(); }
+
+ private:
+  void tuneSkin(const State& state);
+
+  Settings settings_;
+  MinimumImage nearest_;
+  SumUnit energyUnit_;
+  double skin_, skinLimit_, halfSkin2_ = 0;
+  PairList pairs_;
+  BondList bonds_;
+  std::vector<Share> shares_;
+  std::vector<double> reference_;
+  std::vector<std::int64_t> sums_, viscousSums_;
+  std::int64_t rebuilds_ = 0, resolved_ = 0;
+  // Since the last rebuild, for tuning the skin.
+  double pairSeconds_ = 0, rebuildSeconds_ = 0;
+  std::int64_t evaluations_ = 0;
+  PetscLogEvent rebuildEvent_, bondEvent_, pairEvent_, haloEvent_;
+};
+
+/// The smallest distance of points over all listed pairs, and the segments it belongs to.
+struct ClosestPair {
+  double distance;
+  std::int64_t fibre[2];
+  std::int32_t index[2];
+};
+ClosestPair findClosestPair(const State& state, const ForceField& forces);
+
+}  // namespace nanoweft

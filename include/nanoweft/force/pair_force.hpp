@@ -1,0 +1,85 @@
+/// Forces between segments of different fibres: a law u(r), summed over n points on each axis
+/// (physics.md 4):
+///
+///     U_ij = (1/n^2) sum_a sum_b u(|p_jb - p_ia|),   p_ia = x_i + (a - (n-1)/2) T/n e1_i
+///
+/// Laws are chosen by name; a new one is a header like hertz.hpp and an entry in pair_force.cpp.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/state/box.hpp"
+
+namespace nanoweft {
+
+/// Two local indices; the first has the lower row, so both sides of a rank boundary compute alike.
+struct ListPair {
+  std::int32_t i, j;
+};
+
+/// Viscous damping of interacting pairs (physics.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
+struct ViscousDamping {
+  double linear = 0, angular = 0;
+  explicit operator bool() const { return linear > 0 || angular > 0; }
+};
+
+/// A thread's share of the pair sum. Sums go to the segments begin <= k < end alone, as integer
+/// multiples of the force's units, so their order does not matter.
+struct PairJob {
+  const double* pose;  ///< [8] a segment
+  const ListPair* pairs;
+  std::size_t count;
+  std::int32_t begin, end;
+  std::int64_t* sum;  ///< [6] a segment: force, torque
+  const MinimumImage* nearest;
+  // With viscous damping only:
+  const double* velocity = nullptr;
+  const double* angular = nullptr;
+  std::int64_t* viscousSum = nullptr;
+  ViscousDamping viscous;
+};
+
+struct PairTally {
+  ExactSum energy;           ///< unit: energyUnit of the force field
+  SumUnit energyUnit;
+  std::int64_t resolved = 0;  ///< pairs in reach
+};
+
+class PairForce {
+ public:
+  virtual ~PairForce() = default;
+
+  /// Adds the pairs' forces; `tally.energy` too when `energies`.
+  virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
+  /// Smallest distance of two points of the pair.
+  virtual double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
+
+  const std::string& name() const { return name_; }
+  int points() const { return points_; }
+  int exclude() const { return exclude_; }
+  double cutoff() const { return cutoff_; }
+  /// Centre distance beyond which no two points of a pair are within the cutoff.
+  double reach() const { return reach_; }
+  double closestSensible() const { return closestSensible_; }
+  double contactStiffness() const { return contactStiffness_; }
+  double forceUnit() const { return forceUnit_; }
+  double torqueUnit() const { return torqueUnit_; }
+
+ protected:
+  std::string name_;
+  int points_ = 0, exclude_ = 0;
+  double length_ = 0, cutoff_ = 0, reach_ = 0, closestSensible_ = 0, contactStiffness_ = 0;
+  double forceUnit_ = 1, torqueUnit_ = 1;
+};
+
+/// Reads -pair and the options of the laws; empty for `none`.
+std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units, const Fibre& fibre);
+
+}  // namespace nanoweft

@@ -1,0 +1,77 @@
+/// What acts on named groups of segments from outside: prescribed motion, forces and torques, and
+/// the ready-made pair of grips of the tension test.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/state/state.hpp"
+#include "nanoweft/state/state_file.hpp"
+
+namespace nanoweft {
+
+/// One boundary condition. Velocity, force and torque grow linearly during `ramp`.
+struct Boundary {
+  std::string name;
+  int bit = 0;                       ///< its members carry this bit of State::group
+  std::optional<std::array<double, 6>> region;  ///< lower, upper corner; else the user's `bit`
+  std::array<bool, 3> fix{};         ///< components of the velocity that are prescribed
+  bool fixRotation = false;
+  Vec3d velocity, force, torque;     ///< force and torque are per segment
+  double ramp = 0;
+  double start = 0;                  ///< time when it began
+
+  double factor(double time) const {
+    return ramp > 0 && time < start + ramp ? (time - start) / ramp : 1.0;
+  }
+  bool constrains() const { return fix[0] || fix[1] || fix[2] || fixRotation; }
+};
+
+/// The tension test (physics.md 8): two grips that move apart along an axis.
+struct Tension {
+  int axis = 0;
+  double rate = 0, ramp = 0, grip = 0;
+  double maxStrain = 0;
+  double width = 0;      ///< of the fabric at the start; 0: measured
+  double thickness = 0;  ///< for the stress
+  double gage = 0;       ///< distance between the grips at the start
+  double start = 0;      ///< time of the start
+
+  /// Engineering strain at `time`: the integral of the ramped velocity.
+  double strain(double time) const;
+};
+
+class Boundaries {
+ public:
+  Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre);
+
+  /// Finds the members of the groups and starts the clocks; what a restart's record already holds
+  /// goes on as it was. Throws InputError for a group without members.
+  void attach(State& state, const RunRecord& record);
+  void save(RunRecord& record) const;
+
+  bool any() const { return !boundaries_.empty(); }
+  const std::vector<Boundary>& list() const { return boundaries_; }
+  const std::optional<Tension>& tension() const { return tension_; }
+  /// Bits of the groups that something acts on.
+  std::int32_t mask() const { return mask_; }
+
+  /// Stress at the two grips, GPa; the forces are summed over all ranks. Collective.
+  std::array<double, 2> gripStress(const State& state, const ForceField& forces, const UnitSystem& units) const;
+
+ private:
+  void readNamed(Options& options, const UnitSystem& units);
+  void readTension(Options& options, const UnitSystem& units, const Fibre& fibre);
+  void attachTension(State& state);
+
+  std::vector<Boundary> boundaries_;
+  std::optional<Tension> tension_;
+  std::int32_t mask_ = 0;
+};
+
+}  // namespace nanoweft

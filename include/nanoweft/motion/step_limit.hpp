@@ -1,0 +1,23 @@
+/// The largest stable step of velocity Verlet, from the stiffness that is there: dt < 2/omega_max.
+#pragma once
+
+#include "nanoweft/domain/domain.hpp"
+#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/state/state.hpp"
+
+namespace nanoweft {
+
+/// Limit of the present state: omega_max^2 is the largest eigenvalue of the mass-weighted stiffness,
+/// found by Lanczos iteration on differences of forces. State and forces are left as they were;
+/// lists must be up to date. Collective.
+double presentStepLimit(State& state, ForceField& forces, Halo& halo);
+
+/// Limit of one free straight chain, from its dispersion relations (axial, torsional and
+/// bending-shear branches of the linear EVM chain).
+double chainStepLimit(const Fibre& fibre);
+
+/// Limit of chains pressed together in a hexagonal bundle: the chain's omega^2 plus that of the
+/// contacts, 6 K/m with K the contact stiffness of two parallel segments.
+double bundleStepLimit(const Fibre& fibre, const PairForce* pair);
+
+}  // namespace nanoweft

@@ -1,0 +1,27 @@
+/// The energies of a moment and the accounts of the run so far.
+#pragma once
+
+#include <vector>
+
+#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/motion/verlet.hpp"
+#include "nanoweft/state/state.hpp"
+
+namespace nanoweft {
+
+struct Energies {
+  double stretch = 0, shear = 0, bending = 0, torsion = 0, pair = 0, kinetic = 0, rotational = 0;
+  double damped = 0, external = 0, broken = 0;  ///< accumulated since the start
+  std::int64_t brokenBonds = 0;
+
+  double elastic() const { return stretch + shear + bending + torsion; }
+  double total() const { return elastic() + pair + kinetic + rotational; }
+  /// Constant but for the integrator's own error.
+  double balance() const { return total() + damped + broken - external; }
+};
+
+/// Sums over all ranks; `outcome` must come from an evaluation with energies. Collective.
+Energies sumEnergies(const State& state, const ForceField& forces, const ForceOutcome& outcome,
+                     const EnergyAccounts& accounts);
+
+}  // namespace nanoweft

@@ -1,0 +1,32 @@
+/// Snapshots: state files NAME_<step>.h5 with points and lines for ParaView, and NAME.xdmf, which
+/// lists them all over time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/state/state.hpp"
+
+namespace nanoweft {
+
+class Snapshots {
+ public:
+  /// `name`: path without ending; in a restart (`restartStep` >= 0) earlier snapshots stay listed.
+  Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep);
+  void write(State& state, const UnitSystem& units);
+
+ private:
+  struct Entry {
+    std::string file;
+    double time;
+    std::int64_t points, lines;
+  };
+  void addEntry(const std::string& file);
+  void writeIndex() const;
+
+  std::string name_;
+  std::vector<Entry> entries_;  // rank 0
+};
+
+}  // namespace nanoweft

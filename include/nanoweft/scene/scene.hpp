@@ -1,0 +1,75 @@
+/// Where the segments come from. A scene is one file and one line in scene.cpp's table.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/state/state.hpp"
+#include "nanoweft/state/state_file.hpp"
+
+namespace nanoweft {
+
+/// What a scene may ask for besides its own options.
+struct SceneContext {
+  const UnitSystem& units;
+  const Fibre& fibre;
+  MPI_Comm comm;
+};
+
+/// The poses of one fibre's segments.
+struct FibreGeometry {
+  std::vector<Vec3d> position;
+  std::vector<Quatd> orientation;
+  bool closed = false;
+};
+
+class Scene {
+ public:
+  virtual ~Scene() = default;
+  /// The box that the scene fits into.
+  virtual Box box() const = 0;
+  /// Appends the segments to the empty state, a share on each rank, with rows, chains and all.
+  virtual void fill(State& state) const = 0;
+  /// The file that the state comes from, where it comes from one.
+  virtual const StateHeader* header() const { return nullptr; }
+};
+
+/// Reads -scene and the options of the scenes. With a restart, no scene is made.
+std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, bool restarting);
+
+/// For scenes that generate fibres: numbers `fibres` fibres of `segments` segments each and appends
+/// this rank's share, made by `make(fibre)`.
+template <class Make>
+void fillFibres(State& state, std::int64_t fibres, int segments, const Make& make) {
+  const std::int64_t first = fibres * state.rank() / state.ranks(), last = fibres * (state.rank() + 1) / state.ranks();
+  state.addOwned(static_cast<int>((last - first) * segments));
+  int i = 0;
+  for (std::int64_t f = first; f < last; ++f) {
+    const FibreGeometry geometry = make(f);
+    for (int k = 0; k < segments; ++k, ++i) {
+      const auto at = static_cast<std::size_t>(k);
+      state.row[i] = f * segments + k;
+      state.fibre[i] = f;
+      state.chain[2 * i] = k;
+      state.chain[2 * i + 1] = segments;
+      state.bond[i] = geometry.closed ? fibreClosed : 0;
+      double* x = state.pose + 8 * i;
+      x[0] = geometry.position[at].x, x[1] = geometry.position[at].y, x[2] = geometry.position[at].z;
+      state.setOrientation(i, geometry.orientation[at]);
+      state.box.wrap(x, state.image + 3 * i);
+    }
+  }
+  state.countTotal();
+}
+
+// The scenes. Each reads its own options; when not `active` only for -help.
+std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed);
+std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed);
+std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed);
+
+}  // namespace nanoweft

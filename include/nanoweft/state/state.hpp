@@ -1,0 +1,120 @@
+/// The particles: one DMSwarm point per segment, owned points first, ghosts (copies of other ranks'
+/// segments) after them in the same arrays.
+///
+/// Ghosts carry only what forces need of them: pose, row, chain, and the velocities when viscous
+/// damping asks. They must be dropped before points migrate or are counted (petsc: both see every
+/// local point).
+#pragma once
+
+#include <petscdmswarm.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "nanoweft/base/vec.hpp"
+#include "nanoweft/state/box.hpp"
+
+namespace nanoweft {
+
+/// Bits of State::bond.
+enum BondBits : std::int32_t {
+  fibreClosed = 1,     ///< the fibre's last segment is bonded to its first
+  nextBroken = 2,      ///< the bond to the successor is broken
+  previousBroken = 4,  ///< the bond to the predecessor is broken
+};
+
+/// Bits of State::group from here up belong to the solver; lower ones are the user's.
+inline constexpr int firstReservedGroupBit = 16;
+
+class State {
+ public:
+  /// Fields that only some scenes need.
+  struct Extras {
+    bool gap = false;      ///< which neighbours along a fibre have parted (breakage)
+    bool viscous = false;  ///< viscous force and torque
+  };
+
+  State(MPI_Comm comm, const Box& box, Extras extras);
+  ~State();
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  MPI_Comm comm() const { return comm_; }
+  int rank() const { return rank_; }
+  int ranks() const { return ranks_; }
+  DM swarm() const { return swarm_; }
+
+  int owned() const { return owned_; }
+  int ghosts() const { return ghosts_; }
+  int local() const { return owned_ + ghosts_; }
+  std::int64_t total() const { return total_; }
+
+  /// Appends `n` owned points with all fields zero and unit quaternions. There must be no ghosts.
+  void addOwned(int n);
+  void addGhosts(int n);
+  void dropGhosts();
+
+  /// Counts the owned points of all ranks: the number that every later migration must preserve.
+  void countTotal();
+
+  /// Sends every owned point to `destination[i]` and drops what left. The order of the points
+  /// afterwards is unspecified. A change of the global count throws RunError. No ghosts.
+  void migrate(const std::vector<int>& destination);
+
+  /// Reorders the owned points: new point k is old point order[k]. No ghosts.
+  void permute(const std::vector<int>& order);
+
+  // Fields; the pointers change with every function above.
+  double* pose = nullptr;         ///< [8]: position, spare, quaternion w x y z
+  double* velocity = nullptr;     ///< [3], space axes
+  double* angular = nullptr;      ///< [3], angular velocity, space axes
+  double* force = nullptr;        ///< [3], all forces but damping and constraints
+  double* torque = nullptr;       ///< [3], about the centre, space axes
+  std::int64_t* row = nullptr;    ///< place in the order of (fibre, index): a unique global id
+  std::int64_t* fibre = nullptr;  ///< the fibre's id
+  std::int32_t* chain = nullptr;  ///< [2]: index along the fibre, number of segments of the fibre
+  std::int32_t* bond = nullptr;   ///< BondBits
+  std::int32_t* group = nullptr;  ///< bit mask
+  std::int32_t* image = nullptr;  ///< [3], periodic wraps: unwrapped = position + image * box
+  /// [4], with breakage only. Bit b of the first two: a bond between this segment and the one b
+  /// places on (back) is broken; of the last two: that pair has been apart since, so it interacts.
+  std::int64_t* gap = nullptr;
+  /// [6], with viscous damping only: viscous force and torque. They depend on the velocities half a
+  /// step back, so a restart cannot recompute them.
+  double* viscous = nullptr;
+
+  Vec3d position(int i) const { return {pose[8 * i], pose[8 * i + 1], pose[8 * i + 2]}; }
+  Quatd orientation(int i) const {
+    return {pose[8 * i + 4], pose[8 * i + 5], pose[8 * i + 6], pose[8 * i + 7]};
+  }
+  void setOrientation(int i, const Quatd& q) {
+    pose[8 * i + 4] = q.w, pose[8 * i + 5] = q.x, pose[8 * i + 6] = q.y, pose[8 * i + 7] = q.z;
+  }
+  /// Row of the segment bonded by construction (broken or not) to the far side of i, or -1.
+  std::int64_t successor(int i) const {
+    if (chain[2 * i] + 1 < chain[2 * i + 1]) return row[i] + 1;
+    return bond[i] & fibreClosed ? row[i] - chain[2 * i] : -1;
+  }
+  std::int64_t predecessor(int i) const {
+    if (chain[2 * i] > 0) return row[i] - 1;
+    return bond[i] & fibreClosed ? row[i] + chain[2 * i + 1] - 1 : -1;
+  }
+
+  Box box;
+  std::int64_t step = 0;
+  double time = 0;
+
+ private:
+  void acquire();
+  void release();
+
+  MPI_Comm comm_;
+  int rank_, ranks_;
+  Extras extras_;
+  DM swarm_ = nullptr;
+  int owned_ = 0, ghosts_ = 0;
+  std::int64_t total_ = 0;
+  bool acquired_ = false;
+};
+
+}  // namespace nanoweft

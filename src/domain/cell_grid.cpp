@@ -1,0 +1,155 @@
+#include "nanoweft/domain/cell_grid.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// More cells than this per direction would only cost memory in the histograms below.
+constexpr double mostCells = 4096;
+
+/// Ranks per direction: of all ways to factor their number, the one with the least cut area, and
+/// with parts no thinner than a cell when there is such a way.
+std::array<int, 3> arrangeRanks(int ranks, const std::array<double, 3>& length,
+                                const std::array<bool, 3>& periodic, const std::array<int, 3>& cells) {
+  std::array<int, 3> best{ranks, 1, 1};
+  double bestCost = std::numeric_limits<double>::infinity();
+  for (int px = 1; px <= ranks; ++px) {
+    if (ranks % px) continue;
+    for (int py = 1; py <= ranks / px; ++py) {
+      if ((ranks / px) % py) continue;
+      const std::array<int, 3> p{px, py, ranks / px / py};
+      double cost = 0;
+      for (int d = 0; d < 3; ++d) {
+        const double area = length[(d + 1) % 3] * length[(d + 2) % 3];
+        cost += area * (p[d] > 1 && periodic[d] ? p[d] : p[d] - 1);
+        if (p[d] > cells[d]) cost += 1e3 * area * p[d];
+      }
+      if (cost < bestCost) bestCost = cost, best = p;
+    }
+  }
+  return best;
+}
+
+/// Cuts `histogram` into `parts` runs of about equal sums, none empty of cells.
+std::vector<PetscInt> cut(const std::vector<std::int64_t>& histogram, int parts) {
+  const int cells = static_cast<int>(histogram.size());
+  std::int64_t total = 0;
+  for (std::int64_t h : histogram) total += h;
+  std::vector<PetscInt> ends;
+  std::int64_t sum = 0;
+  int cell = 0;
+  for (int p = 1; p <= parts; ++p) {
+    const int first = ends.empty() ? 1 : ends.back() + 1, last = cells - (parts - p);
+    // Stop where the sum is nearest to its share.
+    const double share = static_cast<double>(total) * p / parts;
+    while (cell < last && (cell < first || sum + 0.5 * static_cast<double>(histogram[static_cast<std::size_t>(cell)]) < share))
+      sum += histogram[static_cast<std::size_t>(cell++)];
+    ends.push_back(p == parts ? cells : cell);
+  }
+  return ends;
+}
+
+}  // namespace
+
+CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
+                   const std::array<double, 3>& upper, double range)
+    : range_(range), lower_(lower), upper_(upper), periodic_(state.box.periodic) {
+  std::array<double, 3> length;
+  for (int d = 0; d < 3; ++d) {
+    length[d] = std::max(upper[d] - lower[d], range);
+    cells_[d] = static_cast<int>(std::clamp(std::floor(length[d] / range), 1.0, mostCells));
+  }
+  parts_ = arrangeRanks(state.ranks(), length, periodic_, cells_);
+  for (int d = 0; d < 3; ++d) {
+    cells_[d] = std::max(cells_[d], parts_[d]);
+    upper_[d] = lower_[d] + length[d];
+    inverseEdge_[d] = cells_[d] / length[d];
+    // The tiny slack: an edge that equals the range up to round-off still needs one cell only.
+    reach_[d] = static_cast<int>(std::ceil(range * inverseEdge_[d] * (1 - 1e-12)));
+    std::vector<std::int64_t> histogram(static_cast<std::size_t>(cells_[d]), 0);
+    for (int i = 0; i < state.owned(); ++i) {
+      const double c = (state.pose[8 * i + d] - lower_[d]) * inverseEdge_[d];
+      ++histogram[static_cast<std::size_t>(std::clamp(c, 0.0, cells_[d] - 1.0))];
+    }
+    MPI_Allreduce(MPI_IN_PLACE, histogram.data(), cells_[d], MPI_INT64_T, MPI_SUM, state.comm());
+    ends_[d] = cut(histogram, parts_[d]);
+  }
+  std::array<std::vector<PetscInt>, 3> widths;
+  for (int d = 0; d < 3; ++d)
+    for (std::size_t p = 0; p < ends_[d].size(); ++p)
+      widths[d].push_back(ends_[d][p] - (p == 0 ? 0 : ends_[d][p - 1]));
+  auto boundary = [&](int d) { return periodic_[d] ? DM_BOUNDARY_PERIODIC : DM_BOUNDARY_NONE; };
+  petsc(DMDACreate3d(state.comm(), boundary(0), boundary(1), boundary(2), DMDA_STENCIL_BOX, cells_[0],
+                     cells_[1], cells_[2], parts_[0], parts_[1], parts_[2], 1, 1, widths[0].data(),
+                     widths[1].data(), widths[2].data(), &dm_));
+  petsc(DMSetUp(dm_));
+}
+
+CellGrid::~CellGrid() { DMDestroy(&dm_); }
+
+bool CellGrid::covers(const std::array<double, 3>& lower, const std::array<double, 3>& upper) const {
+  for (int d = 0; d < 3; ++d)
+    if (!periodic_[d] && (lower[d] < lower_[d] - range_ || upper[d] > upper_[d] + range_)) return false;
+  return true;
+}
+
+int CellGrid::owner(std::int64_t cell) const {
+  int part[3];
+  for (int d = 0; d < 3; ++d) {
+    const auto c = static_cast<PetscInt>(cell % cells_[d]);
+    cell /= cells_[d];
+    part[d] = static_cast<int>(std::upper_bound(ends_[d].begin(), ends_[d].end(), c) - ends_[d].begin());
+  }
+  return part[0] + parts_[0] * (part[1] + parts_[1] * part[2]);
+}
+
+void CellGrid::neighbours(std::int64_t cell, std::vector<std::int64_t>& out) const {
+  std::array<std::vector<std::int64_t>, 3> along;
+  for (int d = 0; d < 3; ++d) {
+    const int n = cells_[d], c = static_cast<int>(cell % n);
+    cell /= n;
+    if (2 * reach_[d] + 1 >= n) {
+      for (int k = 0; k < n; ++k) along[d].push_back(k);
+      continue;
+    }
+    for (int k = c - reach_[d]; k <= c + reach_[d]; ++k) {
+      if (periodic_[d])
+        along[d].push_back((k + n) % n);
+      else if (k >= 0 && k < n)
+        along[d].push_back(k);
+    }
+  }
+  out.clear();
+  for (std::int64_t z : along[2])
+    for (std::int64_t y : along[1])
+      for (std::int64_t x : along[0]) out.push_back((z * cells_[1] + y) * cells_[0] + x);
+}
+
+CellIndex::CellIndex(const State& state, const CellGrid& grid, int count) {
+  struct Key {
+    std::int64_t cell, row;
+    int point;
+  };
+  std::vector<Key> keys(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i)
+    keys[static_cast<std::size_t>(i)] = {grid.cellOf(state.pose + 8 * i), state.row[i], i};
+  std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
+    return a.cell != b.cell ? a.cell < b.cell : a.row < b.row;
+  });
+  order.resize(keys.size());
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    order[k] = keys[k].point;
+    if (ranges.empty() || ranges.back().cell != keys[k].cell) {
+      rangeOf.insert(keys[k].cell, static_cast<int>(ranges.size()));
+      ranges.push_back({keys[k].cell, static_cast<int>(k), static_cast<int>(k)});
+    }
+    ranges.back().end = static_cast<int>(k) + 1;
+  }
+}
+
+}  // namespace nanoweft

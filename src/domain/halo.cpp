@@ -1,0 +1,169 @@
+#include "nanoweft/domain/halo.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/domain/deliver.hpp"
+#include "nanoweft/state/box.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// What a rank says of a cell to the cell's owner.
+struct CellNotice {
+  std::int64_t cell;
+  std::int32_t holds;  // else: wants
+};
+
+/// What a cell's owner tells a holder.
+struct CellRequest {
+  std::int64_t cell;
+  std::int32_t wanter;
+};
+
+struct Candidate {
+  double x[3];
+  std::int64_t row, fibre;
+  std::int32_t index, length, bond, local;
+};
+
+}  // namespace
+
+Halo::Halo(MPI_Comm comm) {
+  petsc(PetscSFCreate(comm, &sf_));
+  petsc(PetscSFCreate(comm, &velocitySf_));
+  MPI_Type_contiguous(8, MPI_DOUBLE, &pose_);
+  MPI_Type_commit(&pose_);
+  MPI_Type_contiguous(3, MPI_DOUBLE, &triple_);
+  MPI_Type_commit(&triple_);
+}
+
+Halo::~Halo() {
+  PetscSFDestroy(&sf_);
+  PetscSFDestroy(&velocitySf_);
+  MPI_Type_free(&pose_);
+  MPI_Type_free(&triple_);
+}
+
+void Halo::build(State& state, const CellGrid& grid, double range) {
+  const MPI_Comm comm = state.comm();
+  if (state.ranks() == 1) return;
+  const CellIndex cells(state, grid, state.owned());
+
+  // (a) Tell the owners of cells what is held and wanted.
+  std::map<int, std::vector<CellNotice>> notices;
+  {
+    IndexMap wanted(4 * cells.ranges.size());
+    std::vector<std::int64_t> around;
+    for (const auto& r : cells.ranges) {
+      notices[grid.owner(r.cell)].push_back({r.cell, 1});
+      grid.neighbours(r.cell, around);
+      for (std::int64_t c : around)
+        if (wanted.at(c) < 0) {
+          wanted.insert(c, 0);
+          notices[grid.owner(c)].push_back({c, 0});
+        }
+    }
+  }
+  // (b) As owner: tell each holder of a cell who wants it.
+  std::map<int, std::vector<CellRequest>> requests;
+  {
+    std::unordered_map<std::int64_t, std::pair<std::vector<int>, std::vector<int>>> directory;
+    for (const auto& [rank, items] : deliver(comm, notices))
+      for (const CellNotice& n : items)
+        (n.holds ? directory[n.cell].first : directory[n.cell].second).push_back(rank);
+    for (const auto& [cell, ranks] : directory)
+      for (int holder : ranks.first)
+        for (int wanter : ranks.second)
+          if (holder != wanter) requests[holder].push_back({cell, wanter});
+  }
+  // (c) As holder: send the segments of those cells.
+  std::map<int, std::vector<Candidate>> offers;
+  for (const auto& [rank, items] : deliver(comm, requests))
+    for (const CellRequest& r : items) {
+      const auto& cell = cells.ranges[static_cast<std::size_t>(cells.rangeOf.at(r.cell))];
+      auto& list = offers[r.wanter];
+      for (int k = cell.begin; k < cell.end; ++k) {
+        const int i = cells.order[static_cast<std::size_t>(k)];
+        list.push_back({{state.pose[8 * i], state.pose[8 * i + 1], state.pose[8 * i + 2]},
+                        state.row[i], state.fibre[i], state.chain[2 * i], state.chain[2 * i + 1],
+                        state.bond[i], i});
+      }
+    }
+  // (d) Keep those in range of an own segment, and bond partners.
+  IndexMap partners(static_cast<std::size_t>(state.owned()));
+  for (int i = 0; i < state.owned(); ++i) {
+    if (const auto next = state.successor(i); next >= 0) partners.insert(next, i);
+    if (const auto previous = state.predecessor(i); previous >= 0) partners.insert(previous, i);
+  }
+  const MinimumImage nearest(state.box);
+  std::vector<Candidate> kept;
+  std::vector<PetscSFNode> remote;
+  std::vector<std::int64_t> around;
+  for (const auto& [rank, items] : deliver(comm, offers)) {
+    const std::size_t first = kept.size();
+    std::int64_t lastCell = -1;
+    for (const Candidate& c : items) {
+      bool keep = partners.at(c.row) >= 0;
+      if (const std::int64_t cell = grid.cellOf(c.x); !keep && cell != lastCell) {
+        grid.neighbours(cell, around);
+        lastCell = cell;
+      }
+      if (!keep)
+        for (std::size_t a = 0; a < around.size() && !keep; ++a) {
+          const int place = cells.rangeOf.at(around[a]);
+          if (place < 0) continue;
+          const auto& r = cells.ranges[static_cast<std::size_t>(place)];
+          for (int k = r.begin; k < r.end && !keep; ++k) {
+            const int i = cells.order[static_cast<std::size_t>(k)];
+            const Vec3d d = nearest(state.position(i) - Vec3d{c.x[0], c.x[1], c.x[2]});
+            keep = dot(d, d) < range * range;
+          }
+        }
+      if (keep) kept.push_back(c);
+    }
+    // One block of leaves per rank, so that MPI receives straight into place.
+    std::sort(kept.begin() + static_cast<std::ptrdiff_t>(first), kept.end(),
+              [](const Candidate& a, const Candidate& b) { return a.local < b.local; });
+    for (std::size_t k = first; k < kept.size(); ++k) remote.push_back({rank, kept[k].local});
+  }
+  // (e) The kept ones are the leaves of the star forest.
+  const int ghosts = static_cast<int>(kept.size()), owned = state.owned();
+  petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES));
+  petsc(PetscSFSetGraph(velocitySf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES));
+  state.addGhosts(ghosts);
+  for (int k = 0; k < ghosts; ++k) {
+    const Candidate& c = kept[static_cast<std::size_t>(k)];
+    const int i = owned + k;
+    state.row[i] = c.row;
+    state.fibre[i] = c.fibre;
+    state.chain[2 * i] = c.index;
+    state.chain[2 * i + 1] = c.length;
+    state.bond[i] = c.bond;
+  }
+  refreshBegin(state);
+  refreshEnd(state);
+}
+
+void Halo::refreshBegin(State& state) {
+  if (state.ranks() > 1)
+    petsc(PetscSFBcastBegin(sf_, pose_, state.pose, state.pose + 8 * state.owned(), MPI_REPLACE));
+}
+
+void Halo::refreshEnd(State& state) {
+  if (state.ranks() > 1)
+    petsc(PetscSFBcastEnd(sf_, pose_, state.pose, state.pose + 8 * state.owned(), MPI_REPLACE));
+}
+
+void Halo::refreshVelocities(State& state) {
+  if (state.ranks() == 1) return;
+  for (double* field : {state.velocity, state.angular}) {
+    double* leaves = field + 3 * state.owned();
+    petsc(PetscSFBcastBegin(velocitySf_, triple_, field, leaves, MPI_REPLACE));
+    petsc(PetscSFBcastEnd(velocitySf_, triple_, field, leaves, MPI_REPLACE));
+  }
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,192 @@
+#include "nanoweft/force/force_field.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/base/log.hpp"
+
+namespace nanoweft {
+
+ForceField::ForceField(Settings settings, const Box& box)
+    : settings_(std::move(settings)),
+      nearest_(box),
+      energyUnit_(settings_.fibre.bond.stretch * settings_.fibre.length * settings_.fibre.length),
+      rebuildEvent_(logEvent("NwRebuild")),
+      bondEvent_(logEvent("NwBonds")),
+      pairEvent_(logEvent("NwPairs")),
+      haloEvent_(logEvent("NwHalo")) {
+  const double length = settings_.fibre.length;
+  skin_ = settings_.skin > 0 ? settings_.skin : 0.3 * length;
+  skinLimit_ = 1.5 * length;
+  if (settings_.pair)
+    for (int d = 0; d < 3; ++d)
+      if (box.periodic[d]) skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - settings_.pair->reach());
+  if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
+}
+
+void ForceField::rebuild(State& state, Domain& domain) {
+  const LogScope log(rebuildEvent_);
+  tuneSkin(state);
+  const double begin = MPI_Wtime();
+  // Without pairs the halo holds bond partners alone; the cells then only need to find them.
+  domain.rebuild(state, listRange(), std::max(listRange(), 2.0 * settings_.fibre.length));
+  shares_ = shareSegments(state, domain.grid(), settings_.threads);
+  bonds_.build(state, domain, shares_, settings_.breakage);
+  if (settings_.pair) {
+    pairs_.build(state, domain.grid(), shares_, listRange(), settings_.pair->exclude());
+    reference_.resize(3 * static_cast<std::size_t>(state.owned()));
+    for (int i = 0; i < state.owned(); ++i) std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
+    sums_.resize(6 * static_cast<std::size_t>(state.local()));
+    if (viscous()) viscousSums_.resize(sums_.size());
+    halfSkin2_ = 0.25 * skin_ * skin_;
+  }
+  ++rebuilds_;
+  rebuildSeconds_ = MPI_Wtime() - begin;
+  pairSeconds_ = 0;
+  evaluations_ = 0;
+}
+
+void ForceField::tuneSkin(const State& state) {
+  if (!settings_.pair || settings_.skin > 0 || evaluations_ < 2 || rebuilds_ < 2) return;
+  // Cost of a step: rebuild / steps between + pairs. The steps between grow like the skin, the
+  // pairs like the square of the range (a sheet) or more: follow the derivative, in steps large
+  // enough to be worth a new cell grid. Rank 0 decides, since all must agree.
+  double next = skin_;
+  const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
+  const double loss = 2.0 * (pairSeconds_ / static_cast<double>(evaluations_)) / listRange();
+  if (gain > 1.3 * loss) next = std::min(1.2 * skin_, skinLimit_);
+  if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.1 * settings_.fibre.length);
+  MPI_Bcast(&next, 1, MPI_DOUBLE, 0, state.comm());
+  if (next > 0) skin_ = std::min(next, std::max(skinLimit_, skin_));
+}
+
+ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
+  const auto threads = shares_.size();
+  std::vector<BondTally> bondTallies(threads);
+  std::vector<PairTally> pairTallies(threads);
+  const PairForce* pair = settings_.pair.get();
+  const bool viscousOn = pair && viscous() && request.viscous;
+  auto pairJob = [&](std::size_t t, const std::vector<ListPair>& list) {
+    PairJob job;
+    job.pose = state.pose;
+    job.pairs = list.data();
+    job.count = list.size();
+    job.begin = shares_[t].begin;
+    job.end = shares_[t].end;
+    job.sum = sums_.data();
+    job.nearest = &nearest_;
+    if (viscousOn) {
+      job.velocity = state.velocity;
+      job.angular = state.angular;
+      job.viscousSum = viscousSums_.data();
+      job.viscous = settings_.viscous;
+    }
+    return job;
+  };
+  auto bonds = [&](std::size_t t, bool ghosts) {
+    bonds_.add(state, settings_.fibre.bond, nearest_, static_cast<int>(t), shares_[t], ghosts, request.energies,
+               request.mayBreak, bondTallies[t]);
+  };
+  for (std::size_t t = 0; t < threads; ++t)
+    bondTallies[t].energyUnit = pairTallies[t].energyUnit = energyUnit_;
+
+  {
+    const LogScope log(haloEvent_);
+    halo.refreshBegin(state);
+    if (viscousOn) halo.refreshVelocities(state);
+  }
+  {
+    const LogScope log(bondEvent_);
+#pragma omp parallel num_threads(static_cast<int>(threads))
+    bonds(static_cast<std::size_t>(omp_get_thread_num()), false);
+    PetscLogFlops(290.0 * static_cast<double>(bonds_.size()));
+  }
+  const double begin = MPI_Wtime();
+  if (pair) {
+    const LogScope log(pairEvent_);
+#pragma omp parallel num_threads(static_cast<int>(threads))
+    {
+      const auto t = static_cast<std::size_t>(omp_get_thread_num());
+      const std::size_t from = 6 * static_cast<std::size_t>(shares_[t].begin), to = 6 * static_cast<std::size_t>(shares_[t].end);
+      std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(from), sums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
+      if (viscousOn)
+        std::fill(viscousSums_.begin() + static_cast<std::ptrdiff_t>(from), viscousSums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
+      pair->add(pairJob(t, pairs_.threads()[t].inner), request.energies, pairTallies[t]);
+    }
+  }
+  double waited = MPI_Wtime();
+  {
+    const LogScope log(haloEvent_);
+    halo.refreshEnd(state);
+  }
+  waited = MPI_Wtime() - waited;
+  if (state.ranks() > 1) {
+    const LogScope log(bondEvent_);
+#pragma omp parallel num_threads(static_cast<int>(threads))
+    bonds(static_cast<std::size_t>(omp_get_thread_num()), true);
+  }
+  if (pair) {
+    const LogScope log(pairEvent_);
+#pragma omp parallel num_threads(static_cast<int>(threads))
+    {
+      const auto t = static_cast<std::size_t>(omp_get_thread_num());
+      pair->add(pairJob(t, pairs_.threads()[t].outer), request.energies, pairTallies[t]);
+      const double forceUnit = pair->forceUnit(), torqueUnit = pair->torqueUnit();
+      for (auto i = static_cast<std::size_t>(shares_[t].begin); i < static_cast<std::size_t>(shares_[t].end); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+          state.force[3 * i + c] += forceUnit * static_cast<double>(sums_[6 * i + c]);
+          state.torque[3 * i + c] += torqueUnit * static_cast<double>(sums_[6 * i + 3 + c]);
+          if (!viscousOn) continue;
+          state.viscous[6 * i + c] = forceUnit * static_cast<double>(viscousSums_[6 * i + c]);
+          state.viscous[6 * i + 3 + c] = torqueUnit * static_cast<double>(viscousSums_[6 * i + 3 + c]);
+        }
+    }
+    std::int64_t resolved = 0;
+    for (const PairTally& t : pairTallies) resolved += t.resolved;
+    resolved_ += resolved;
+    // About 60 operations a point pair, gathers and scatter aside.
+    PetscLogFlops(60.0 * pair->points() * pair->points() * static_cast<double>(resolved));
+  }
+  pairSeconds_ += MPI_Wtime() - begin - waited;
+  ++evaluations_;
+
+  ForceOutcome outcome;
+  for (std::size_t t = 0; t < threads; ++t) {
+    outcome.stretch.merge(bondTallies[t].stretch);
+    outcome.shear.merge(bondTallies[t].shear);
+    outcome.bending.merge(bondTallies[t].bending);
+    outcome.torsion.merge(bondTallies[t].torsion);
+    outcome.pair.merge(pairTallies[t].energy);
+    outcome.released.merge(bondTallies[t].released);
+    outcome.broken.insert(outcome.broken.end(), bondTallies[t].broken.begin(), bondTallies[t].broken.end());
+  }
+  return outcome;
+}
+
+ClosestPair findClosestPair(const State& state, const ForceField& forces) {
+  ClosestPair closest{std::numeric_limits<double>::infinity(), {0, 0}, {0, 0}};
+  if (!forces.pair()) return closest;
+  for (const auto& thread : forces.pairList().threads())
+    for (const auto* list : {&thread.inner, &thread.outer})
+      for (const ListPair& p : *list) {
+        const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
+        // No points of the pair are closer than this.
+        if (norm(separation) - (forces.pair()->reach() - forces.pair()->cutoff()) >= closest.distance) continue;
+        const double distance = forces.pair()->closest(separation, state.orientation(p.i), state.orientation(p.j));
+        if (distance < closest.distance)
+          closest = {distance, {state.fibre[p.i], state.fibre[p.j]}, {state.chain[2 * p.i], state.chain[2 * p.j]}};
+      }
+  struct {
+    double distance;
+    int rank;
+  } best{closest.distance, state.rank()};
+  MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MINLOC, state.comm());
+  MPI_Bcast(&closest, sizeof closest, MPI_BYTE, best.rank, state.comm());
+  return closest;
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,147 @@
+#include "nanoweft/force/pair_force.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/force/hertz.hpp"
+#include "nanoweft/force/pair_kernel.hpp"
+#include "nanoweft/force/vdw.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+constexpr int mostPoints = 9;
+
+template <class Law>
+class PairForceOf final : public PairForce {
+ public:
+  PairForceOf(std::string name, const Law& law, int points, double length, int exclude) : law_(law) {
+    name_ = std::move(name);
+    points_ = points;
+    exclude_ = exclude;
+    length_ = length;
+    cutoff_ = law.cutoff();
+    reach_ = cutoff_ + length * (points - 1) / points;
+    closestSensible_ = law.closestSensible();
+    contactStiffness_ = law.contactStiffness();
+    // A sum of eight full overlaps still fits into 63 bits.
+    forceUnit_ = std::ldexp(1.0, std::ilogb(law.largestForce()) + 4 - 63);
+    torqueUnit_ = std::ldexp(forceUnit_, std::ilogb(length));
+  }
+
+  void add(const PairJob& job, bool energies, PairTally& tally) const override {
+    using Kernel = void (*)(const Law&, double, double, double, double, const PairJob&, PairTally&);
+    static constexpr auto table = []<std::size_t... N>(std::index_sequence<N...>) {
+      return std::array<std::array<Kernel, 2>, mostPoints>{
+          {{addPairs<false, static_cast<int>(N) + 1, Law>, addPairs<true, static_cast<int>(N) + 1, Law>}...}};
+    }(std::make_index_sequence<mostPoints>{});
+    table[static_cast<std::size_t>(points_ - 1)][energies](law_, length_, reach_, forceUnit_, torqueUnit_, job,
+                                                           tally);
+  }
+
+  double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
+    const Vec3d ei = axis1(qi), ej = axis1(qj);
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < points_; ++a)
+      for (int b = 0; b < points_; ++b) {
+        const double half = 0.5 * (points_ - 1), spacing = length_ / points_;
+        const Vec3d d = separation + ((b - half) * spacing) * ej - ((a - half) * spacing) * ei;
+        smallest = std::min(smallest, norm(d));
+      }
+    return smallest;
+  }
+
+ private:
+  Law law_;
+};
+
+/// What every law needs besides its own options.
+struct Context {
+  const UnitSystem& units;
+  const Fibre& fibre;
+  int points, exclude;
+  double switchFrom, cutoff;
+};
+
+std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool active) {
+  VdwParameters p;
+  const std::string& energy = c.units.energy;
+  const std::string perArea = energy + "/" + c.units.length + "^2";
+  p.smooth = s.choice("vdw_splice", "smooth", {"smooth", "kink"},
+                      "where the linear repulsion joins: equal stiffness, or the minimum") == "smooth";
+  p.epsilon = s.real("vdw_epsilon", p.epsilon, c.units.energy, "depth parameter eps", positive);
+  p.a = s.real("vdw_a", p.a, "", "factor A of the repulsive power", positive);
+  p.b = s.real("vdw_b", p.b, "", "factor B of the attractive power", positive);
+  p.alpha = s.real("vdw_alpha", p.alpha, "", "repulsive exponent", positive);
+  p.beta = s.real("vdw_beta", p.beta, "", "attractive exponent, below alpha", positive);
+  p.stiffness = s.real("vdw_stiffness", p.stiffness, perArea.c_str(),
+                       "k of the repulsion: u = ... + k (r - rs)^2", positive);
+  if (!active) return nullptr;
+  if (p.beta >= p.alpha)
+    throw InputError(format("-vdw_beta %g: must be below -vdw_alpha %g", p.beta, p.alpha));
+  p.radius = c.fibre.radius;
+  p.switchFrom = c.switchFrom;
+  p.cutoff = c.cutoff;
+  auto make = [&](const auto& law) -> std::unique_ptr<PairForce> {
+    if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
+      throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s", p.switchFrom,
+                              law.restDistance(), c.units.length));
+    return std::make_unique<PairForceOf<std::decay_t<decltype(law)>>>("vdw", law, c.points, c.fibre.length,
+                                                                      c.exclude);
+  };
+  if (p.alpha == 9.5 && p.beta == 4.0) return make(Vdw<PaperExponents>(p));
+  return make(Vdw<GeneralExponents>(p));
+}
+
+std::unique_ptr<PairForce> makeHertz(OptionSection& s, const Context& c, bool active) {
+  const std::string unit = std::string(c.units.energy) + "/" + c.units.length + "^2.5";
+  const double stiffness = s.real("hertz_stiffness", 200.0, unit.c_str(), "K of u = K (2 rf - r)^2.5", positive);
+  if (!active) return nullptr;
+  return std::make_unique<PairForceOf<Hertz>>("hertz", Hertz(stiffness, c.fibre.radius), c.points,
+                                              c.fibre.length, c.exclude);
+}
+
+struct Entry {
+  const char* name;
+  std::unique_ptr<PairForce> (*make)(OptionSection&, const Context&, bool active);
+};
+
+// One line registers a law.
+constexpr Entry laws[] = {
+    {"vdw", makeVdw},
+    {"hertz", makeHertz},
+};
+
+}  // namespace
+
+std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units, const Fibre& fibre) {
+  std::vector<std::string> names;
+  for (const Entry& e : laws) names.push_back(e.name);
+  names.push_back("none");
+  OptionSection pair(options, "Pair forces");
+  const std::string chosen = pair.choice("pair", "vdw", names, "law of the forces between fibres");
+  OptionSection s(options, "Pair forces", chosen != "none", "-pair is none");
+  Context c{units, fibre, 3, 20, 0, 0};
+  c.points = static_cast<int>(s.integer("pair_points", 3, "points per segment", 1, mostPoints));
+  c.exclude = static_cast<int>(
+      s.integer("pair_exclude", 20, "segments of one fibre interact from this many places apart", 2, 1000000));
+  OptionSection range(options, "Pair forces", chosen == "vdw", "-pair is " + chosen);
+  c.switchFrom = range.maybeReal("pair_switch", "3 T", units.length, "distance where the switch-off begins", positive)
+                     .value_or(3.0 * fibre.length);
+  c.cutoff = range.maybeReal("pair_cutoff", "4 T", units.length, "distance where pair forces end", positive)
+                 .value_or(4.0 * fibre.length);
+  if (c.cutoff <= c.switchFrom)
+    throw InputError(format("-pair_cutoff %g: must lie beyond -pair_switch %g", c.cutoff, c.switchFrom));
+  std::unique_ptr<PairForce> result;
+  for (const Entry& e : laws) {
+    const bool active = chosen == e.name;
+    OptionSection own(options, "Pair forces", active, "-pair is " + chosen);
+    if (auto force = e.make(own, c, active)) result = std::move(force);
+  }
+  return result;
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,227 @@
+#include "nanoweft/motion/boundary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+constexpr int mostNamed = 12;
+constexpr int leftGripBit = 28, rightGripBit = 29;
+static_assert(firstReservedGroupBit + mostNamed <= leftGripBit);
+
+}  // namespace
+
+double Tension::strain(double time) const {
+  const double t = time - start;
+  if (t <= 0) return 0.0;
+  return t < ramp ? rate * t * t / (2.0 * ramp) : rate * (t - 0.5 * ramp);
+}
+
+Boundaries::Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre) {
+  readNamed(options, units);
+  readTension(options, units, fibre);
+}
+
+void Boundaries::readNamed(Options& options, const UnitSystem& units) {
+  const std::string speed = std::string(units.length) + "/" + units.time;
+  OptionSection s(options, "Boundary conditions");
+  const auto names = s.words("bc", "names of groups that something acts on, separated by commas; NAME below");
+  s.document("NAME_region", "none", units.length, "members: x,y,z of the lower and of the upper corner");
+  s.document("NAME_group", "none", "", "members: segments with this bit (0 to 15) of /state/group");
+  s.document("NAME_fix", "0,0,0", "", "hold these components of the velocity at NAME_velocity");
+  s.document("NAME_fix_rotation", "false", "", "keep the members from rotating");
+  s.document("NAME_velocity", "0,0,0", speed.c_str(), "prescribed velocity (fixes all components unless NAME_fix says which)");
+  s.document("NAME_force", "0,0,0", units.force, "force on each member");
+  s.document("NAME_torque", "0,0,0", units.energy, "torque on each member");
+  s.document("NAME_ramp", "0", units.time, "velocity, force and torque grow linearly for this long");
+  if (names.size() > mostNamed) throw InputError(format("-bc: at most %d names", mostNamed));
+  for (const std::string& name : names) {
+    if (std::ranges::any_of(boundaries_, [&](const Boundary& b) { return b.name == name; }))
+      throw InputError("-bc: " + name + " is named twice");
+    // Not documented one by one: -help shows the family above.
+    Options own;
+    OptionSection n(own, name);
+    Boundary b;
+    b.name = name;
+    if (auto r = n.reals(name + "_region", 6, "", "", "")) {
+      b.region.emplace();
+      std::ranges::copy(*r, b.region->begin());
+      for (std::size_t d = 0; d < 3; ++d)
+        if (!((*r)[d] <= (*r)[3 + d]))
+          throw InputError(format("-%s_region: its lower corner must not lie above its upper one", name.c_str()));
+    }
+    const auto group = n.maybeInteger(name + "_group", "", "", 0, firstReservedGroupBit - 1);
+    if (b.region.has_value() == group.has_value())
+      throw InputError(format("-bc %s: give either -%s_region or -%s_group", name.c_str(), name.c_str(), name.c_str()));
+    b.bit = group ? static_cast<int>(*group) : firstReservedGroupBit + static_cast<int>(boundaries_.size());
+    auto vector = [&](const char* suffix) {
+      const auto v = n.reals(name + suffix, 3, "", "", "");
+      return v ? std::optional(Vec3d{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
+    };
+    const auto fix = n.flags3(name + "_fix", "", "");
+    const auto velocity = vector("_velocity"), force = vector("_force"), torque = vector("_torque");
+    b.fix = fix.value_or(velocity ? std::array{true, true, true} : std::array{false, false, false});
+    b.fixRotation = n.flag(name + "_fix_rotation", false, "");
+    b.velocity = velocity.value_or(Vec3d{});
+    b.force = force.value_or(Vec3d{});
+    b.torque = torque.value_or(Vec3d{});
+    b.ramp = n.real(name + "_ramp", 0.0, "", "", nonNegative);
+    const double held[3] = {b.velocity.x, b.velocity.y, b.velocity.z};
+    for (std::size_t d = 0; d < 3; ++d)
+      if (held[d] != 0 && !b.fix[d])
+        throw InputError(format("-%s_velocity: its %c component is not zero but -%s_fix does not hold it", name.c_str(),
+                                "xyz"[d], name.c_str()));
+    if (!b.constrains() && !force && !torque)
+      throw InputError(format("-bc %s: nothing acts on it; give -%s_fix, -%s_fix_rotation, -%s_velocity, -%s_force or -%s_torque",
+                              name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str()));
+    boundaries_.push_back(b);
+  }
+}
+
+void Boundaries::readTension(Options& options, const UnitSystem& units, const Fibre& fibre) {
+  OptionSection ask(options, "Tension test");
+  const bool wanted = ask.given("tension_rate") || ask.given("tension_axis") || ask.given("tension_grip");
+  OptionSection s(options, "Tension test", wanted, "there is no tension test without -tension_rate");
+  const std::string perTime = std::string("1/") + units.time;
+  Tension t;
+  const std::string axis = s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
+  t.axis = axis[0] - 'x';
+  t.rate = s.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(), "engineering strain rate; turns the test on", positive)
+               .value_or(2e8 * units.secondsPerTime);
+  t.ramp = s.maybeReal("tension_ramp", "0.01 strain at full rate", units.time,
+                       "time of constant acceleration at the start", nonNegative)
+               .value_or(0.01 / t.rate);
+  t.grip = s.maybeReal("tension_grip", "5 T", units.length, "length of each grip, from the outermost segment inwards", positive)
+               .value_or(5.0 * fibre.length);
+  t.maxStrain = s.real("tension_max_strain", 0.5, "", "strain at which the run ends", positive);
+  t.width = s.maybeReal("tension_width", "measured at the start", units.length, "width of the fabric, for the stress", positive)
+                .value_or(0.0);
+  t.thickness = s.maybeReal("tension_thickness", "17.1 A", units.length, "thickness of the fabric, for the stress", positive)
+                    .value_or(17.1e-10 / (units.name == "si" ? 1.0 : 1e-10));
+  if (!wanted) return;
+  tension_ = t;
+}
+
+void Boundaries::attach(State& state, const RunRecord& record) {
+  // A restart goes on with the members and clocks of boundaries of the same name.
+  auto recorded = [&](const std::string& name) {
+    const auto it = record.reals.find("boundary_" + name);
+    return it != record.reals.end() ? std::optional(it->second) : std::nullopt;
+  };
+  // Reserved bits mean what the run that set them says; all others are cleared.
+  std::vector<std::array<int, 2>> moved;  // bit in the file, bit now
+  for (Boundary& b : boundaries_) {
+    b.start = state.time;
+    if (const auto old = recorded(b.name); old && old->size() == 2) {
+      b.start = (*old)[1];
+      if (b.region) moved.push_back({static_cast<int>((*old)[0]), b.bit});
+    }
+  }
+  const auto oldTension = record.reals.find("tension");
+  const bool pulling = tension_ && oldTension != record.reals.end() && oldTension->second.size() == 3;
+  if (pulling)
+    for (int bit : {leftGripBit, rightGripBit}) moved.push_back({bit, bit});
+  for (int i = 0; i < state.owned(); ++i) {
+    std::int32_t mask = state.group[i] & ((1 << firstReservedGroupBit) - 1);
+    for (const auto& [from, to] : moved)
+      if (state.group[i] >> from & 1) mask |= 1 << to;
+    state.group[i] = mask;
+    for (const Boundary& b : boundaries_) {
+      if (!b.region || recorded(b.name)) continue;
+      bool inside = true;
+      for (int d = 0; d < 3; ++d) {
+        const double x = state.pose[8 * i + d];
+        inside = inside && x >= (*b.region)[static_cast<std::size_t>(d)] && x <= (*b.region)[static_cast<std::size_t>(3 + d)];
+      }
+      if (inside) state.group[i] |= 1 << b.bit;
+    }
+  }
+  if (tension_) {
+    if (pulling) {
+      tension_->start = oldTension->second[0];
+      tension_->gage = oldTension->second[1];
+      tension_->width = oldTension->second[2];
+    } else {
+      attachTension(state);
+    }
+    for (int side = 0; side < 2; ++side) {
+      Boundary grip;
+      grip.name = side == 0 ? "tension_left" : "tension_right";
+      grip.bit = side == 0 ? leftGripBit : rightGripBit;
+      grip.fix = {true, true, true};
+      grip.fixRotation = true;
+      const double speed = (side == 0 ? -0.5 : 0.5) * tension_->rate * tension_->gage;
+      (tension_->axis == 0 ? grip.velocity.x : tension_->axis == 1 ? grip.velocity.y : grip.velocity.z) = speed;
+      grip.ramp = tension_->ramp;
+      grip.start = tension_->start;
+      boundaries_.push_back(grip);
+    }
+  }
+  for (const Boundary& b : boundaries_) {
+    std::int64_t members = 0;
+    for (int i = 0; i < state.owned(); ++i) members += state.group[i] >> b.bit & 1;
+    MPI_Allreduce(MPI_IN_PLACE, &members, 1, MPI_INT64_T, MPI_SUM, state.comm());
+    if (members == 0)
+      throw InputError(format("-bc %s: no segment lies in its %s", b.name.c_str(), b.region ? "region" : "group"));
+    mask_ |= 1 << b.bit;
+  }
+}
+
+void Boundaries::attachTension(State& state) {
+  Tension& t = *tension_;
+  const int across = t.axis == 0 ? 1 : 0;
+  // lower and negated upper ends, along and across.
+  double extent[4];
+  std::fill_n(extent, 4, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < state.owned(); ++i) {
+    const double along = state.pose[8 * i + t.axis], other = state.pose[8 * i + across];
+    extent[0] = std::min(extent[0], along);
+    extent[1] = std::min(extent[1], -along);
+    extent[2] = std::min(extent[2], other);
+    extent[3] = std::min(extent[3], -other);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, extent, 4, MPI_DOUBLE, MPI_MIN, state.comm());
+  const double lower = extent[0], upper = -extent[1];
+  t.start = state.time;
+  t.gage = upper - lower - 2.0 * t.grip;
+  if (state.box.periodic[static_cast<std::size_t>(t.axis)])
+    throw InputError(format("-tension_axis %c: the box is periodic in this direction, so there are no ends to grip", "xyz"[t.axis]));
+  if (!(t.gage > 0))
+    throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's length of %g", t.grip, upper - lower));
+  if (t.width == 0) {
+    t.width = state.box.periodic[static_cast<std::size_t>(across)] ? state.box.length(across) : -extent[3] - extent[2];
+    if (!(t.width > 0)) throw InputError("-tension_width: the piece has no width of its own; give one");
+  }
+  for (int i = 0; i < state.owned(); ++i) {
+    const double x = state.pose[8 * i + t.axis];
+    if (x <= lower + t.grip) state.group[i] |= 1 << leftGripBit;
+    if (x >= upper - t.grip) state.group[i] |= 1 << rightGripBit;
+  }
+}
+
+void Boundaries::save(RunRecord& record) const {
+  for (const Boundary& b : boundaries_)
+    if (b.bit < leftGripBit) record.reals["boundary_" + b.name] = {static_cast<double>(b.bit), b.start};
+  if (tension_) record.reals["tension"] = {tension_->start, tension_->gage, tension_->width};
+}
+
+std::array<double, 2> Boundaries::gripStress(const State& state, const ForceField& forces, const UnitSystem& units) const {
+  const Tension& t = *tension_;
+  const SumUnit unit(forces.fibre().bond.stretch * forces.fibre().length);
+  ExactSum sums[2];
+  for (int i = 0; i < state.owned(); ++i)
+    for (int side = 0; side < 2; ++side)
+      if (state.group[i] >> (side == 0 ? leftGripBit : rightGripBit) & 1)
+        sums[side].add(state.force[3 * i + t.axis], unit);
+  ExactSum::reduce(sums, 2, state.comm());
+  // The piece pulls the left grip forwards and the right grip back.
+  const double area = t.width * t.thickness * units.gigapascal;
+  return {sums[0].value(unit) / area, -sums[1].value(unit) / area};
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,29 @@
+#include "nanoweft/record/energies.hpp"
+
+namespace nanoweft {
+
+Energies sumEnergies(const State& state, const ForceField& forces, const ForceOutcome& outcome,
+                     const EnergyAccounts& accounts) {
+  const SumUnit& unit = forces.energyUnit();
+  ExactSum sums[10] = {outcome.stretch, outcome.shear, outcome.bending,  outcome.torsion,   outcome.pair,
+                       {},              {},            accounts.damped, accounts.external, accounts.broken};
+  const double halfMass = 0.5 * forces.fibre().mass, halfInertia = 0.5 * forces.fibre().inertia;
+  std::int64_t brokenBonds = 0;
+  for (int i = 0; i < state.owned(); ++i) {
+    const double* v = state.velocity + 3 * i;
+    const double* w = state.angular + 3 * i;
+    sums[5].add(halfMass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), unit);
+    sums[6].add(halfInertia * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]), unit);
+    brokenBonds += (state.bond[i] & nextBroken) != 0;
+  }
+  ExactSum::reduce(sums, 10, state.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &brokenBonds, 1, MPI_INT64_T, MPI_SUM, state.comm());
+  Energies e;
+  double* const values[10] = {&e.stretch, &e.shear,      &e.bending, &e.torsion,  &e.pair,
+                              &e.kinetic, &e.rotational, &e.damped,  &e.external, &e.broken};
+  for (int k = 0; k < 10; ++k) *values[k] = sums[k].value(unit);
+  e.brokenBonds = brokenBonds;
+  return e;
+}
+
+}  // namespace nanoweft

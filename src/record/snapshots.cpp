@@ -1,0 +1,106 @@
+#include "nanoweft/record/snapshots.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/base/hdf5.hpp"
+#include "nanoweft/state/state_file.hpp"
+
+namespace nanoweft {
+
+namespace fs = std::filesystem;
+
+Snapshots::Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep) : name_(std::move(name)) {
+  makeParentFolder(comm, name_);
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  if (rank != 0 || restartStep < 0) return;
+  const fs::path path(name_);
+  const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
+  const std::string prefix = path.filename().string() + "_";
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string file = entry.path().filename().string();
+    if (!file.starts_with(prefix) || !file.ends_with(".h5")) continue;
+    const std::string number = file.substr(prefix.size(), file.size() - prefix.size() - 3);
+    if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (std::stoll(number) <= restartStep) files.push_back((folder / file).string());
+  }
+  std::ranges::sort(files);
+  for (const std::string& file : files) addEntry(file);
+}
+
+void Snapshots::addEntry(const std::string& file) {
+  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!f.valid() || H5Lexists(f, "mesh", H5P_DEFAULT) <= 0) return;
+  h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
+  const auto time = h5::readReals(group, "time");
+  hsize_t points[2], lines[2];
+  h5::Handle p(H5Dopen2(f, "mesh/points", H5P_DEFAULT), H5Dclose), l(H5Dopen2(f, "mesh/lines", H5P_DEFAULT), H5Dclose);
+  h5::Handle ps(H5Dget_space(p), H5Sclose), ls(H5Dget_space(l), H5Sclose);
+  H5Sget_simple_extent_dims(ps, points, nullptr);
+  H5Sget_simple_extent_dims(ls, lines, nullptr);
+  const std::string name = fs::path(file).filename().string();
+  std::erase_if(entries_, [&](const Entry& e) { return e.file == name; });
+  entries_.push_back({name, time ? (*time)[0] : 0.0, static_cast<std::int64_t>(points[0]), static_cast<std::int64_t>(lines[0])});
+}
+
+void Snapshots::write(State& state, const UnitSystem& units) {
+  const std::string file = format("%s_%010lld.h5", name_.c_str(), static_cast<long long>(state.step));
+  StateWriteOptions what;
+  what.mesh = true;
+  writeState(file, state, units, {}, what);
+  std::string problem;
+  if (state.rank() == 0) {
+    addEntry(file);
+    try {
+      writeIndex();
+    } catch (const std::exception& failure) {
+      problem = failure.what();
+    }
+  }
+  agree<RunError>(state.comm(), problem);
+}
+
+void Snapshots::writeIndex() const {
+  const std::string index = name_ + ".xdmf", temporary = index + ".tmp";
+  {
+    std::ofstream out(temporary);
+    out << "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+           "<Grid Name=\"fibres\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+    auto item = [&](const Entry& e, const char* dataset, std::int64_t rows, int columns, const char* type, int bytes) {
+      return format("<DataItem Format=\"HDF\" NumberType=\"%s\" Precision=\"%d\" Dimensions=\"%lld%s\">%s:%s</DataItem>",
+                    type, bytes, static_cast<long long>(rows), columns > 1 ? format(" %d", columns).c_str() : "",
+                    e.file.c_str(), dataset);
+    };
+    for (const Entry& e : entries_) {
+      out << format("<Grid Name=\"%s\">\n<Time Value=\"%.17g\"/>\n", e.file.c_str(), e.time)
+          << format("<Topology TopologyType=\"Polyline\" NodesPerElement=\"2\" NumberOfElements=\"%lld\">",
+                    static_cast<long long>(e.lines))
+          << item(e, "/mesh/lines", e.lines, 2, "Int", 4) << "</Topology>\n<Geometry GeometryType=\"XYZ\">"
+          << item(e, "/mesh/points", e.points, 3, "Float", 4) << "</Geometry>\n";
+      struct Field {
+        const char *name, *kind;
+        int columns;
+        const char* type;
+        int bytes;
+      };
+      constexpr Field fields[] = {{"velocity", "Vector", 3, "Float", 8},
+                                  {"fibre", "Scalar", 1, "Int", 8},
+                                  {"group", "Scalar", 1, "Int", 4},
+                                  {"bond_broken", "Scalar", 1, "Char", 1}};
+      for (const Field& f : fields)
+        out << format("<Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">", f.name, f.kind)
+            << item(e, (std::string("/state/") + f.name).c_str(), e.points, f.columns, f.type, f.bytes) << "</Attribute>\n";
+      out << "</Grid>\n";
+    }
+    out << "</Grid>\n</Domain>\n</Xdmf>\n";
+    if (!out.flush()) throw RunError("cannot write " + temporary);
+  }
+  if (std::rename(temporary.c_str(), index.c_str()) != 0) throw RunError("cannot write " + index);
+}
+
+}  // namespace nanoweft

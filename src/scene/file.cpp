@@ -1,0 +1,41 @@
+/// Scene `file`: segments from a state file (README.md, "Your own geometry").
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/scene/scene.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+class FileScene final : public Scene {
+ public:
+  FileScene(MPI_Comm comm, std::string file) : file_(std::move(file)), header_(readStateHeader(comm, file_)) {}
+
+  Box box() const override { return header_.box; }
+  const StateHeader* header() const override { return &header_; }
+  void fill(State& state) const override {
+    readStateRows(file_, header_, state);
+    // A new run starts its own clock.
+    state.step = 0;
+    state.time = 0;
+  }
+
+ private:
+  std::string file_;
+  StateHeader header_;
+};
+
+}  // namespace
+
+std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed) {
+  OptionSection s(options, "Scene", optionsAllowed, "-scene is not file");
+  const std::string file = s.text("scene_file", "", "state file to start from (-scene file)");
+  if (!active) return nullptr;
+  if (file.empty()) throw InputError("-scene file needs -scene_file NAME");
+  auto scene = std::make_unique<FileScene>(context.comm, file);
+  if (scene->header()->units != context.units.name)
+    throw InputError(format("state file %s is in units %s, the run in -units %s", file.c_str(),
+                            scene->header()->units.c_str(), context.units.name.c_str()));
+  return scene;
+}
+
+}  // namespace nanoweft
