@@ -132,8 +132,10 @@ void Simulation::perturb() {
 }
 
 void Simulation::refuseOverlap() const {
+  // To evaluate a strong overlap is harmless; only points that all but coincide have no force.
+  const double least = evaluatesOnly() ? 0.25 * fibre_.radius : forces_->pair()->closestSensible();
   const ClosestPair c = findClosestPair(*state_, *forces_);
-  if (c.distance >= forces_->pair()->closestSensible()) return;
+  if (c.distance >= least) return;
   throw InputError(format(
       "fibres overlap: fibre %lld segment %d and fibre %lld segment %d are %.4g %s apart, and their walls meet at %.4g %s; "
       "move them apart (or -pair_allow_overlap)",
@@ -142,14 +144,15 @@ void Simulation::refuseOverlap() const {
 }
 
 void Simulation::chooseStep() {
-  const bool evaluateOnly = settings_.maxSteps && *settings_.maxSteps <= state_->step;
-  if (!evaluateOnly) presentLimit_ = presentStepLimit(*state_, *forces_, domain_->halo());
-  const double dt = settings_.dt.value_or(units_.name == "nano" ? 20.0 : 0.4 * (evaluateOnly ? chainStepLimit(fibre_) : presentLimit_));
-  if (!evaluateOnly && dt > presentLimit_ && !settings_.unsafeStep)
+  if (!evaluatesOnly()) presentLimit_ = presentStepLimit(*state_, *forces_, domain_->halo());
+  const double dt = settings_.dt.value_or(units_.name == "nano" ? 20.0 : 0.4 * (evaluatesOnly() ? chainStepLimit(fibre_) : presentLimit_));
+  if (!evaluatesOnly() && dt > presentLimit_ && !settings_.unsafeStep)
     throw InputError(format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of that (or -ts_dt_unsafe)",
                             dt, presentLimit_, units_.time));
   verlet_.emplace(dt, settings_.damping);
 }
+
+bool Simulation::evaluatesOnly() const { return settings_.maxSteps && *settings_.maxSteps <= state_->step; }
 
 double Simulation::strain() const { return boundaries_.tension() ? boundaries_.tension()->strain(state_->time) : 0.0; }
 

@@ -386,7 +386,8 @@ bool writeRows(hid_t group, const char* name, hid_t stored, hid_t memoryType, st
     H5Sselect_none(memory);
   }
   h5::Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
-  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);  // filtered chunks demand it
+  // Filtered chunks demand collective transfers, and those that stored and memory type be the same.
+  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
   return H5Dwrite(set, memoryType, memory, space, transfer, values.data()) >= 0;
 }
 
@@ -461,13 +462,13 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
     write("velocity", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, ordered(state.velocity, 3), 3);
     write("angular_velocity", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, ordered(state.angular, 3), 3);
     write("group", H5T_STD_I32LE, H5T_NATIVE_INT32, ordered(state.group, 1), 1);
-    std::vector<std::int32_t> broken(orderedBond.size());
+    std::vector<std::int8_t> broken(orderedBond.size());
     std::vector<std::int64_t> closed;
     for (std::size_t k = 0; k < orderedBond.size(); ++k) {
       broken[k] = (orderedBond[k] & nextBroken) != 0;
       if ((orderedBond[k] & fibreClosed) && orderedChain[2 * k] == 0) closed.push_back(orderedFibre[k]);
     }
-    write("bond_broken", H5T_STD_I8LE, H5T_NATIVE_INT32, broken, 1);
+    write("bond_broken", H5T_STD_I8LE, H5T_NATIVE_INT8, broken, 1);
     std::int64_t mine = static_cast<std::int64_t>(closed.size()), offset = 0, count = 0;
     MPI_Exscan(&mine, &offset, 1, MPI_INT64_T, MPI_SUM, state.comm());
     if (state.rank() == 0) offset = 0;

@@ -43,6 +43,8 @@ class Simulation {
   void step();
   int agreeOn(const DriftReport& drift);
   void record();
+  /// No step will be made: only the forces and energies of the start are wanted.
+  bool evaluatesOnly() const;
   bool atEnd() const;
   bool due(long interval) const { return state_->step % interval == 0; }
 

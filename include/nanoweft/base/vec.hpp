@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "nanoweft/base/simd.hpp"
+
 namespace nanoweft {
 
 template <class V>
@@ -29,17 +31,17 @@ struct Vec3 {
 using Vec3d = Vec3<double>;
 
 template <class V>
-V dot(const Vec3<V>& a, const Vec3<V>& b) {
+NW_INLINE V dot(const Vec3<V>& a, const Vec3<V>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 template <class V>
-Vec3<V> cross(const Vec3<V>& a, const Vec3<V>& b) {
+NW_INLINE Vec3<V> cross(const Vec3<V>& a, const Vec3<V>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 template <class V>
-V norm(const Vec3<V>& a) {
+NW_INLINE V norm(const Vec3<V>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
 }
@@ -62,21 +64,21 @@ Quat<V> operator*(const Quat<V>& a, const Quat<V>& b) {
 
 /// Fibre axis e1: the body x axis in space.
 template <class V>
-Vec3<V> axis1(const Quat<V>& q) {
+NW_INLINE Vec3<V> axis1(const Quat<V>& q) {
   return {1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y + q.w * q.z),
           2.0 * (q.x * q.z - q.w * q.y)};
 }
 
 /// e2: the body y axis in space.
 template <class V>
-Vec3<V> axis2(const Quat<V>& q) {
+NW_INLINE Vec3<V> axis2(const Quat<V>& q) {
   return {2.0 * (q.x * q.y - q.w * q.z), 1.0 - 2.0 * (q.x * q.x + q.z * q.z),
           2.0 * (q.y * q.z + q.w * q.x)};
 }
 
 /// e3: the body z axis in space.
 template <class V>
-Vec3<V> axis3(const Quat<V>& q) {
+NW_INLINE Vec3<V> axis3(const Quat<V>& q) {
   return {2.0 * (q.x * q.z + q.w * q.y), 2.0 * (q.y * q.z - q.w * q.x),
           1.0 - 2.0 * (q.x * q.x + q.y * q.y)};
 }

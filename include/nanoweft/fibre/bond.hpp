@@ -33,7 +33,7 @@ struct BondForce {
 
 /// Force and torques of a bond; `separation` is x_j - x_i by the minimum image.
 template <class V>
-BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separation, const Quat<V>& qi,
+NW_INLINE BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separation, const Quat<V>& qi,
                        const Quat<V>& qj) {
   BondForce<V> result;
   const V r = norm(separation);
@@ -59,7 +59,7 @@ BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separation, const
 
 /// The four parts of a bond's energy, each zero at rest.
 template <class V>
-BondEnergy<V> bondEnergy(const BondParameters& b, const Vec3<V>& separation, const Quat<V>& qi,
+NW_INLINE BondEnergy<V> bondEnergy(const BondParameters& b, const Vec3<V>& separation, const Quat<V>& qi,
                          const Quat<V>& qj) {
   const V r = norm(separation);
   const V stretch = r - b.length;

@@ -19,7 +19,7 @@ class Hertz {
   double contactStiffness() const { return 3.75 * stiffness_ * std::sqrt(contact_); }
 
   template <class V>
-  PairValue<V> operator()(const V& r2) const {
+  NW_INLINE PairValue<V> operator()(const V& r2) const {
     using std::sqrt;
     const V r = sqrt(r2);
     const V overlap = select(r < V(contact_), V(contact_ - r), V(0.0));

@@ -18,7 +18,7 @@ struct PairResult {
 };
 
 template <bool Energies, int N, class Law, class V>
-PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation, const Quat<V>& qi,
+NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation, const Quat<V>& qi,
                           const Quat<V>& qj) {
   const double spacing = length / N;
   const V cutoff2(law.cutoff() * law.cutoff());
@@ -64,7 +64,7 @@ struct GatheredPose {
   Vec3<Lanes> position;
   Quat<Lanes> orientation;
 
-  GatheredPose(const double* pose, const std::int32_t* index) {
+  NW_INLINE GatheredPose(const double* pose, const std::int32_t* index) {
     alignas(64) double t[8][laneCount];
     for (int k = 0; k < laneCount; ++k) {
       const double* p = pose + 8 * static_cast<std::size_t>(index[k]);

@@ -28,7 +28,7 @@ struct Switch {
 
   /// Multiplies u by S and u' by the product rule.
   template <class V>
-  void apply(const V& r, V& u, V& du) const {
+  NW_INLINE void apply(const V& r, V& u, V& du) const {
     if (!anyOf(r > V(from))) return;
     const double inverse = 1.0 / (to - from);
     V x = (r - from) * inverse;
@@ -45,23 +45,23 @@ struct Switch {
 struct PaperExponents {
   double alpha = 9.5, beta = 4.0;
   template <class V>
-  void powers(const V& inverse, V& a, V& b) const {
+  NW_INLINE void powers(const V& d, const V& inverse, V& a, V& b) const {
     using std::sqrt;
     const V i2 = inverse * inverse;
     b = i2 * i2;
-    a = b * b * inverse * sqrt(inverse);
+    a = b * b * i2 * sqrt(d);  // the root does not have to wait for the division
   }
 };
 
 /// Any exponents, by pow.
 struct GeneralExponents {
   double alpha = 9.5, beta = 4.0;
-  void powers(double inverse, double& a, double& b) const {
+  void powers(double, double inverse, double& a, double& b) const {
     a = std::pow(inverse, alpha);
     b = std::pow(inverse, beta);
   }
   template <class V>
-  void powers(const V& inverse, V& a, V& b) const {
+  NW_INLINE void powers(const V&, const V& inverse, V& a, V& b) const {
     for (std::size_t k = 0; k < V::size(); ++k) {
       a[k] = std::pow(static_cast<double>(inverse[k]), alpha);
       b[k] = std::pow(static_cast<double>(inverse[k]), beta);
@@ -104,7 +104,7 @@ class Vdw {
     }
     splice_ = (spliceD_ + 2.0) * p.radius;
     double u, du;
-    raw(spliceD_, u, du);
+    raw(spliceD_, 1.0 / spliceD_, u, du);
     spliceEnergy_ = u;
     spliceSlope_ = p.smooth ? du : 0.0;
   }
@@ -121,32 +121,34 @@ class Vdw {
   double contactStiffness() const { return 2.0 * stiffness_; }
 
   template <class V>
-  PairValue<V> operator()(const V& r2) const {
+  NW_INLINE PairValue<V> operator()(const V& r2) const {
     using std::sqrt;
     const V r = sqrt(r2);
     // Lanes below the splice take the linear branch; D is held there to stay finite.
     V d = r * inverseRadius_ - 2.0;
     const auto contact = !(r > V(splice_));
     d = select(contact, V(spliceD_), d);
+    // At zero distance the direction is undefined and the force, slope times distance, vanishes.
+    const V floor = V(1e-12 * splice_);
+    const V length = select(r > floor, r, floor);
+    const V both = 1.0 / (d * length);  // one division for 1/d and 1/r
     V u, du;
-    raw(d, u, du);
+    raw(d, V(both * length), u, du);
     if (anyOf(contact)) {
       const V s = r - splice_;
       u = select(contact, V(spliceEnergy_ + s * (spliceSlope_ + stiffness_ * s)), u);
       du = select(contact, V(spliceSlope_ + (2.0 * stiffness_) * s), du);
     }
     cutoff_.apply(r, u, du);
-    // At zero distance the direction is undefined and the force, slope times distance, vanishes.
-    const V floor = V(1e-12 * splice_);
-    return {u, du / select(r > floor, r, floor)};
+    return {u, du * (both * d)};
   }
 
  private:
+  /// v and v' from D and 1/D.
   template <class V>
-  void raw(const V& d, V& u, V& du) const {
-    const V inverse = 1.0 / d;
+  NW_INLINE void raw(const V& d, const V& inverse, V& u, V& du) const {
     V pa, pb;
-    exponents_.powers(inverse, pa, pb);
+    exponents_.powers(d, inverse, pa, pb);
     u = scale_ * (a_ * pa - b_ * pb);
     du = (scale_ * inverseRadius_) * inverse *
          ((exponents_.beta * b_) * pb - (exponents_.alpha * a_) * pa);

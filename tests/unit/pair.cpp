@@ -1,0 +1,164 @@
+/// Every pair law: reference numbers, gradients, conservation, continuity; one set of tests for all.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "helpers.hpp"
+#include "nanoweft/force/hertz.hpp"
+#include "nanoweft/force/pair_kernel.hpp"
+#include "nanoweft/force/vdw.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+constexpr double length = 13.56;
+
+VdwParameters parameters(bool smooth) {
+  VdwParameters p;
+  p.smooth = smooth;
+  return p;
+}
+
+/// resolvePair with the number of points chosen at run time.
+template <class Law>
+PairResult<double> resolve(const Law& law, int points, const Vec3d& separation, const Quatd& qi, const Quatd& qj) {
+  switch (points) {
+    case 1: return resolvePair<true, 1>(law, length, separation, qi, qj);
+    case 2: return resolvePair<true, 2>(law, length, separation, qi, qj);
+    case 3: return resolvePair<true, 3>(law, length, separation, qi, qj);
+    case 4: return resolvePair<true, 4>(law, length, separation, qi, qj);
+    case 5: return resolvePair<true, 5>(law, length, separation, qi, qj);
+    case 9: return resolvePair<true, 9>(law, length, separation, qi, qj);
+    default: throw std::logic_error("number of points not instantiated");
+  }
+}
+
+TEST(Vdw, SpliceAndMinimum) {
+  const Vdw<PaperExponents> smooth(parameters(true)), kink(parameters(false));
+  EXPECT_NEAR(smooth.spliceDistance(), 16.313684942742598, 1e-12);
+  EXPECT_NEAR(kink.spliceDistance(), 17.343571, 1e-6);
+  EXPECT_NEAR(smooth.restDistance(), 17.343571, 1e-6);
+  const double r0 = smooth.restDistance();
+  EXPECT_NEAR(smooth(r0 * r0).energy, -2.228463, 1e-6);
+  EXPECT_NEAR(smooth(r0 * r0).slope, 0.0, 1e-14);
+  auto slope = [&](double s) { return smooth((r0 + s) * (r0 + s)).energy; };
+  const double h = 1e-3;
+  EXPECT_NEAR((slope(h) - 2 * slope(0) + slope(-h)) / (h * h), 5.915, 1e-2);
+}
+
+TEST(Vdw, ReferenceCases) {
+  const auto rows = readTable("pairs.csv");
+  ASSERT_EQ(rows.size(), 240u);
+  const Vdw<PaperExponents> laws[2] = {Vdw<PaperExponents>(parameters(false)), Vdw<PaperExponents>(parameters(true))};
+  for (const auto& row : rows) {
+    const Vec3d separation = vectorAt(row, 9) - vectorAt(row, 2);
+    const auto p = resolve(laws[row[1] != 0], static_cast<int>(row[0]), separation, quaternionAt(row, 5), quaternionAt(row, 12));
+    const double force = norm(vectorAt(row, 17)), torque = std::max(norm(vectorAt(row, 20)), norm(vectorAt(row, 23)));
+    EXPECT_NEAR(p.energy, row[16], 1e-10 * std::max(1e-3, std::abs(row[16])));
+    EXPECT_LT(norm(p.force - vectorAt(row, 17)), 1e-10 * std::max(1e-3, force));
+    EXPECT_LT(norm(p.torqueI - vectorAt(row, 20)), 1e-10 * std::max(1e-2, torque));
+    EXPECT_LT(norm(p.torqueJ - vectorAt(row, 23)), 1e-10 * std::max(1e-2, torque));
+  }
+}
+
+/// A law and the distances between which pairs of it are drawn.
+struct LawCase {
+  std::string name;
+  std::function<PairResult<double>(int, const Vec3d&, const Quatd&, const Quatd&)> resolve;
+  double nearest, farthest;
+};
+
+template <class Law>
+LawCase lawCase(std::string name, const Law& law, double nearest, double farthest) {
+  return {std::move(name), [law](int n, const Vec3d& d, const Quatd& a, const Quatd& b) { return resolve(law, n, d, a, b); },
+          nearest, farthest};
+}
+
+std::vector<LawCase> allLaws() {
+  VdwParameters general = parameters(true);
+  general.alpha = 8.7, general.beta = 4.4;
+  return {lawCase("vdw_smooth", Vdw<PaperExponents>(parameters(true)), 10, 60),
+          lawCase("vdw_kink", Vdw<PaperExponents>(parameters(false)), 10, 60),
+          lawCase("vdw_general", Vdw<GeneralExponents>(general), 10, 60), lawCase("hertz", Hertz(200, 6.78), 3, 14)};
+}
+
+class EveryLaw : public testing::TestWithParam<LawCase> {};
+
+TEST_P(EveryLaw, ForceAndTorqueAreTheGradientOfTheEnergy) {
+  const LawCase& law = GetParam();
+  Random random;
+  for (int points : {1, 2, 3, 5, 9})
+    for (int k = 0; k < 8; ++k) {
+      const Quatd qi = random.orientation(), qj = random.orientation();
+      const Vec3d direction = random.vector(1.0);
+      const double distance = law.nearest + (law.farthest - law.nearest) * k / 7.0;
+      const Vec3d d = (distance / norm(direction)) * direction;
+      const auto p = law.resolve(points, d, qi, qj);
+      const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+      for (const Vec3d& e : axes) {
+        auto moved = [&](double s) { return law.resolve(points, d + s * e, qi, qj).energy; };
+        auto turnedI = [&](double s) { return law.resolve(points, d, rotation(s * e) * qi, qj).energy; };
+        auto turnedJ = [&](double s) { return law.resolve(points, d, qi, rotation(s * e) * qj).energy; };
+        EXPECT_NEAR(derivative(moved, 1e-3), dot(p.force, e), 2e-6 * (1 + norm(p.force)));
+        EXPECT_NEAR(derivative(turnedI, 1e-4), -dot(p.torqueI, e), 2e-6 * (1 + norm(p.torqueI)));
+        EXPECT_NEAR(derivative(turnedJ, 1e-4), -dot(p.torqueJ, e), 2e-6 * (1 + norm(p.torqueJ)));
+      }
+    }
+}
+
+TEST_P(EveryLaw, ConservesAngularMomentumAndTurnsWithTheSpace) {
+  const LawCase& law = GetParam();
+  Random random;
+  for (int k = 0; k < 30; ++k) {
+    const Quatd qi = random.orientation(), qj = random.orientation(), turn = random.orientation();
+    const Vec3d direction = random.vector(1.0);
+    const Vec3d d = ((law.nearest + (law.farthest - law.nearest) * k / 40.0) / norm(direction)) * direction;
+    const auto p = law.resolve(3, d, qi, qj);
+    EXPECT_LT(norm(p.torqueI + p.torqueJ + cross(d, -p.force)), 1e-12 * (1 + norm(p.torqueI) + norm(p.force) * norm(d)));
+    const auto t = law.resolve(3, rotate(turn, d), turn * qi, turn * qj);
+    EXPECT_NEAR(t.energy, p.energy, 1e-10 * (1 + std::abs(p.energy)));
+    EXPECT_LT(norm(t.force - rotate(turn, p.force)), 1e-9 * (1 + norm(p.force)));
+  }
+}
+
+TEST_P(EveryLaw, VanishesBeyondItsReachAndIsFiniteAtZeroDistance) {
+  const LawCase& law = GetParam();
+  Random random;
+  const Quatd q = random.orientation();
+  const auto far = law.resolve(3, Vec3d{54.24 + length, 0, 0}, q, q);
+  EXPECT_EQ(far.energy, 0.0);
+  EXPECT_EQ(norm(far.force), 0.0);
+  const auto zero = law.resolve(3, Vec3d{0, 0, 0}, q, q);
+  EXPECT_TRUE(std::isfinite(zero.energy));
+  EXPECT_LT(norm(zero.force), 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw, testing::ValuesIn(allLaws()),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(Vdw, ForceIsContinuousWhereTheBranchesJoin) {
+  for (bool smooth : {true, false}) {
+    const Vdw<PaperExponents> law(parameters(smooth));
+    for (double r : {law.spliceDistance(), 40.68, 54.24}) {
+      const double below = r * (1 - 1e-9), above = r * (1 + 1e-9);
+      const auto a = law(below * below), b = law(above * above);
+      EXPECT_NEAR(a.energy, b.energy, 1e-5);
+      EXPECT_NEAR(a.slope, b.slope, 1e-6);
+    }
+  }
+}
+
+TEST(Vdw, LanesGiveTheBitsOfDoubles) {
+  const Vdw<PaperExponents> law(parameters(true));
+  for (double r = 8.0; r < 56.0; r += 0.37) {
+    const auto one = law(r * r);
+    const auto many = law(Lanes(r * r));
+    for (std::size_t k = 0; k < Lanes::size(); ++k) {
+      EXPECT_EQ(many.energy[k], one.energy);
+      EXPECT_EQ(many.slope[k], one.slope);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nanoweft::test
