@@ -1,3 +1,5 @@
 #include "nanoweft/app/program.hpp"
 
-int main(int argc, char** argv) { return nanoweft::runProgram(argc, argv); }
+int main(int argc, char** argv) {
+  return nanoweft::runProgram(argc, argv);
+}

@@ -18,7 +18,8 @@ namespace nanoweft {
 namespace {
 
 constexpr const char* help =
-    "nanoweft: fabrics, films and yarns of nano- and microfibres by the mesoscopic distinct element method.\n"
+    "nanoweft: fabrics, films and yarns of nano- and microfibres by the mesoscopic distinct "
+    "element method.\n"
     "  mpirun -n 4 nanoweft -options_file run.opts\n"
     "OMP_NUM_THREADS sets the threads of each rank. Options of nanoweft stand after PETSc's.\n";
 
@@ -30,7 +31,8 @@ int threadsPerRank(MPI_Comm comm) {
   int ranks;
   MPI_Comm_size(node, &ranks);
   MPI_Comm_free(&node);
-  const int usable = omp_get_num_procs(), cores = static_cast<int>(std::thread::hardware_concurrency());
+  const int usable = omp_get_num_procs(),
+            cores = static_cast<int>(std::thread::hardware_concurrency());
   // A bound rank has its cores for itself; unbound ones share them all.
   return usable < cores ? usable : std::max(1, usable / ranks);
 }

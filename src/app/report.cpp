@@ -22,37 +22,51 @@ std::string duration(double seconds) {
 
 void Simulation::printHeader() const {
   const BondParameters& b = fibre_.bond;
-  PetscPrintf(comm_, "nanoweft %s: %d rank%s x %d thread%s\n", NANOWEFT_VERSION, state_->ranks(), state_->ranks() > 1 ? "s" : "",
-              threads_, threads_ > 1 ? "s" : "");
-  PetscPrintf(comm_, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n", static_cast<long long>(state_->total()),
-              box_.length(0), box_.length(1), box_.length(2), units_.length, box_.periodic[0], box_.periodic[1], box_.periodic[2]);
-  PetscPrintf(comm_, "  segment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 %.5g, B3 %.5g, B4 %.5g\n",
-              fibre_.length, units_.length, fibre_.mass / units_.mass, units_.massName, fibre_.inertia / units_.mass,
-              units_.massName, units_.length, b.stretch, b.shear, b.bending, b.torsion);
+  PetscPrintf(comm_, "nanoweft %s: %d rank%s x %d thread%s\n", NANOWEFT_VERSION, state_->ranks(),
+              state_->ranks() > 1 ? "s" : "", threads_, threads_ > 1 ? "s" : "");
+  PetscPrintf(comm_, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n",
+              static_cast<long long>(state_->total()), box_.length(0), box_.length(1),
+              box_.length(2), units_.length, box_.periodic[0], box_.periodic[1], box_.periodic[2]);
+  PetscPrintf(comm_,
+              "  segment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 "
+              "%.5g, B3 %.5g, B4 %.5g\n",
+              fibre_.length, units_.length, fibre_.mass / units_.mass, units_.massName,
+              fibre_.inertia / units_.mass, units_.massName, units_.length, b.stretch, b.shear,
+              b.bending, b.torsion);
   if (const PairForce* p = forces_->pair())
-    PetscPrintf(comm_, "  pair forces: %s, %d points a segment, cutoff %g %s\n", p->name().c_str(), p->points(), p->cutoff(), units_.length);
+    PetscPrintf(comm_, "  pair forces: %s, %d points a segment, cutoff %g %s\n", p->name().c_str(),
+                p->points(), p->cutoff(), units_.length);
   else
     PetscPrintf(comm_, "  pair forces: none\n");
   if (breakage_)
-    PetscPrintf(comm_, "  bonds break at a strain of %g +- %g, one draw per %s, seed %llu\n", breakage_->mean, breakage_->deviation,
-                breakage_->perFibre ? "fibre" : "bond", static_cast<unsigned long long>(breakage_->seed));
+    PetscPrintf(comm_, "  bonds break at a strain of %g +- %g, one draw per %s, seed %llu\n",
+                breakage_->mean, breakage_->deviation, breakage_->perFibre ? "fibre" : "bond",
+                static_cast<unsigned long long>(breakage_->seed));
   if (const auto& t = boundaries_.tension())
-    PetscPrintf(comm_, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, rate %g 1/%s\n", "xyz"[t->axis], t->gage,
-                units_.length, t->width, units_.length, t->thickness, units_.length, t->rate, units_.time);
+    PetscPrintf(
+        comm_, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, rate %g 1/%s\n",
+        "xyz"[t->axis], t -> gage, units_.length, t->width, units_.length, t->thickness,
+        units_.length, t->rate, units_.time);
   const double bundle = bundleStepLimit(fibre_, forces_->pair());
   if (presentLimit_ > 0)
-    PetscPrintf(comm_, "  time step %.4g %s; stable below %.4g now, %.4g for a free chain, about %.4g for fibres pressed together\n",
+    PetscPrintf(comm_,
+                "  time step %.4g %s; stable below %.4g now, %.4g for a free chain, about %.4g for "
+                "fibres pressed together\n",
                 verlet_->dt(), units_.time, presentLimit_, chainStepLimit(fibre_), bundle);
   if (presentLimit_ > 0 && verlet_->dt() > bundle)
-    PetscPrintf(comm_, "  warning: -ts_dt %g may become unstable once fibres are pressed together\n", verlet_->dt());
+    PetscPrintf(comm_,
+                "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
+                verlet_->dt());
   if (restartHeader_)
-    PetscPrintf(comm_, "  restart from %s at step %lld\n", settings_.restart.c_str(), static_cast<long long>(state_->step));
+    PetscPrintf(comm_, "  restart from %s at step %lld\n", settings_.restart.c_str(),
+                static_cast<long long>(state_->step));
 }
 
 void Simulation::printProgress() {
   const double now = MPI_Wtime();
   const Energies& e = *energies_;
-  const double perStep = (now - progressWall_) / static_cast<double>(std::max<std::int64_t>(1, state_->step - progressStep_));
+  const double perStep = (now - progressWall_) / static_cast<double>(std::max<std::int64_t>(
+                                                     1, state_->step - progressStep_));
   const double perDay = 86400.0 / perStep * verlet_->dt() * units_.secondsPerTime * 1e9;
   // Steps left by whichever end can be foreseen.
   double left = std::numeric_limits<double>::infinity();
@@ -60,12 +74,16 @@ void Simulation::printProgress() {
   if (settings_.maxTime) left = std::min(left, (*settings_.maxTime - state_->time) / verlet_->dt());
   if (const auto& t = boundaries_.tension())
     left = std::min(left, (t->maxStrain - t->strain(state_->time)) / (t->rate * verlet_->dt()));
-  std::string line = format("step %lld  time %.5g %s  elastic %.6g  pair %.6g  kinetic %.4g %s", static_cast<long long>(state_->step),
-                            state_->time, units_.time, e.elastic(), e.pair, e.kinetic + e.rotational, units_.energy);
-  if (boundaries_.tension()) line += format("  strain %.1f %%  broken %lld", 100 * strain(), static_cast<long long>(e.brokenBonds));
+  std::string line = format("step %lld  time %.5g %s  elastic %.6g  pair %.6g  kinetic %.4g %s",
+                            static_cast<long long>(state_->step), state_->time, units_.time,
+                            e.elastic(), e.pair, e.kinetic + e.rotational, units_.energy);
+  if (boundaries_.tension())
+    line += format("  strain %.1f %%  broken %lld", 100 * strain(),
+                   static_cast<long long>(e.brokenBonds));
   line += format("  %.3g ns/day", perDay);
   if (std::isfinite(left))
-    line += format("  %s %s", settings_.relaxTolerance > 0 ? "at most" : "left", duration(left * perStep).c_str());
+    line += format("  %s %s", settings_.relaxTolerance > 0 ? "at most" : "left",
+                   duration(left * perStep).c_str());
   PetscPrintf(comm_, "%s\n", line.c_str());
   lastProgress_ = progressWall_ = now;
   progressStep_ = state_->step;
@@ -76,9 +94,14 @@ void Simulation::printSummary() const {
   const auto steps = static_cast<double>(state_->step - firstStep_);
   const Energies& e = *energies_;
   if (converged_)
-    PetscPrintf(comm_, "converged: the elastic energy changed by less than %g of itself in %ld steps\n", settings_.relaxTolerance, settings_.relaxInterval);
-  PetscPrintf(comm_, "energies (%s): stretch %.10g, shear %.10g, bending %.10g, torsion %.10g, pair %.10g, kinetic %.6g, rotational %.6g\n",
-              units_.energy, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic, e.rotational);
+    PetscPrintf(comm_,
+                "converged: the elastic energy changed by less than %g of itself in %ld steps\n",
+                settings_.relaxTolerance, settings_.relaxInterval);
+  PetscPrintf(comm_,
+              "energies (%s): stretch %.10g, shear %.10g, bending %.10g, torsion %.10g, pair "
+              "%.10g, kinetic %.6g, rotational %.6g\n",
+              units_.energy, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic,
+              e.rotational);
   if (steps == 0) return;
   std::int64_t resolved = forces_->pairsResolved();
   MPI_Allreduce(MPI_IN_PLACE, &resolved, 1, MPI_INT64_T, MPI_SUM, comm_);
@@ -86,15 +109,23 @@ void Simulation::printSummary() const {
   getrusage(RUSAGE_SELF, &usage);
   long memory = usage.ru_maxrss;
   MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_LONG, MPI_SUM, comm_);
-  PetscPrintf(comm_, "steps %.0f, simulated time %.6g %s, wall time %s\n", steps, state_->time - firstTime_, units_.time, duration(wall).c_str());
-  PetscPrintf(comm_, "speed: %.4g segment-steps/s, %.4g pairs/s, %.4g ns/day; %lld list rebuilds, imbalance %.3f, memory %.0f MB\n",
-              steps * static_cast<double>(state_->total()) / wall, static_cast<double>(resolved) / wall,
-              (state_->time - firstTime_) * units_.secondsPerTime * 1e9 / wall * 86400.0, static_cast<long long>(forces_->rebuilds()),
-              domain_->imbalance(), static_cast<double>(memory) / 1024.0);
-  PetscPrintf(comm_, "energy balance (total + damped + broken - external): drift %.3g %s of %.6g kinetic + elastic\n",
+  PetscPrintf(comm_, "steps %.0f, simulated time %.6g %s, wall time %s\n", steps,
+              state_->time - firstTime_, units_.time, duration(wall).c_str());
+  PetscPrintf(comm_,
+              "speed: %.4g segment-steps/s, %.4g pairs/s, %.4g ns/day; %lld list rebuilds, "
+              "imbalance %.3f, memory %.0f MB\n",
+              steps * static_cast<double>(state_->total()) / wall,
+              static_cast<double>(resolved) / wall,
+              (state_->time - firstTime_) * units_.secondsPerTime * 1e9 / wall * 86400.0,
+              static_cast<long long>(forces_->rebuilds()), domain_->imbalance(),
+              static_cast<double>(memory) / 1024.0);
+  PetscPrintf(comm_,
+              "energy balance (total + damped + broken - external): drift %.3g %s of %.6g kinetic "
+              "+ elastic\n",
               e.balance() - firstBalance_, units_.energy, e.kinetic + e.rotational + e.elastic());
   if (boundaries_.tension())
-    PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(), strength_, static_cast<long long>(e.brokenBonds));
+    PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(),
+                strength_, static_cast<long long>(e.brokenBonds));
 }
 
 }  // namespace nanoweft

@@ -6,7 +6,9 @@ namespace nanoweft {
 
 const UnitSystem& readUnits(Options& options) {
   OptionSection s(options, "Run");
-  const std::string name = s.choice("units", "nano", {"nano", "si"}, "A, fs, eV, amu; or m, s, J, kg; stiffnesses and stresses in GPa");
+  const std::string name =
+      s.choice("units", "nano", {"nano", "si"},
+               "A, fs, eV, amu; or m, s, J, kg; stiffnesses and stresses in GPa");
   return name == "si" ? siUnits() : nanoUnits();
 }
 
@@ -15,59 +17,90 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   constexpr long most = 9000000000000000;
   OptionSection run(options, "Run");
   r.restart = run.text("restart", "", "go on from this checkpoint; steps and time count on");
-  r.dt = run.maybeReal("ts_dt", "20 fs in nano, 0.4 of the stable limit in si", units.time, "time step", positive);
+  r.dt = run.maybeReal("ts_dt", "20 fs in nano, 0.4 of the stable limit in si", units.time,
+                       "time step", positive);
   r.unsafeStep = run.flag("ts_dt_unsafe", false, "allow a step beyond the stable limit");
-  r.maxSteps = run.maybeInteger("ts_max_steps", "none", "step number at which the run ends; 0: evaluate the start only", 0, most);
-  r.maxTime = run.maybeReal("ts_max_time", "none", units.time, "time at which the run ends", nonNegative);
-  r.relaxTolerance = run.real("relax_tolerance", 0.0, "",
-                              "end when the elastic energy changes by less than this fraction in an interval; 0: do not", nonNegative);
+  r.maxSteps =
+      run.maybeInteger("ts_max_steps", "none",
+                       "step number at which the run ends; 0: evaluate the start only", 0, most);
+  r.maxTime =
+      run.maybeReal("ts_max_time", "none", units.time, "time at which the run ends", nonNegative);
+  r.relaxTolerance = run.real(
+      "relax_tolerance", 0.0, "",
+      "end when the elastic energy changes by less than this fraction in an interval; 0: do not",
+      nonNegative);
   OptionSection relax(options, "Run", r.relaxTolerance > 0, "-relax_tolerance is not set");
-  r.relaxInterval = relax.integer("relax_interval", 5000, "steps between checks of -relax_tolerance", 1, most);
+  r.relaxInterval =
+      relax.integer("relax_interval", 5000, "steps between checks of -relax_tolerance", 1, most);
   r.seed = static_cast<std::uint64_t>(run.integer("seed", 1, "of all random numbers", 0, most));
-  r.perturb = run.real("scene_perturb", 0.0, units.length,
-                       "standard deviation of random displacements of the starting positions", nonNegative);
+  r.perturb =
+      run.real("scene_perturb", 0.0, units.length,
+               "standard deviation of random displacements of the starting positions", nonNegative);
 
   OptionSection damping(options, "Damping");
-  r.damping = damping.real("damping_local", 0.0, "", "local damping c: F - c |F| sign(v)", {0.0, 1.0});
+  r.damping =
+      damping.real("damping_local", 0.0, "", "local damping c: F - c |F| sign(v)", {0.0, 1.0});
   OptionSection viscous(options, "Damping", pairs, "-pair is none");
-  const std::string linear = std::string(units.force) + "/(" + units.length + "/" + units.time + ")";
+  const std::string linear =
+      std::string(units.force) + "/(" + units.length + "/" + units.time + ")";
   const std::string angular = std::string(units.energy) + " " + units.time;
-  r.viscous.linear = viscous.real("damping_viscous", 0.0, linear.c_str(), "viscous force between interacting segments per difference of velocity", nonNegative);
-  r.viscous.angular = viscous.real("damping_viscous_angular", 0.0, angular.c_str(),
-                                   "viscous torque between interacting segments per difference of angular velocity", nonNegative);
+  r.viscous.linear = viscous.real(
+      "damping_viscous", 0.0, linear.c_str(),
+      "viscous force between interacting segments per difference of velocity", nonNegative);
+  r.viscous.angular =
+      viscous.real("damping_viscous_angular", 0.0, angular.c_str(),
+                   "viscous torque between interacting segments per difference of angular velocity",
+                   nonNegative);
 
   OptionSection pair(options, "Pair forces", pairs, "-pair is none");
-  r.skin = pair.maybeReal("pair_skin", "tuned while running", units.length, "margin of the pair list", positive).value_or(0.0);
+  r.skin = pair.maybeReal("pair_skin", "tuned while running", units.length,
+                          "margin of the pair list", positive)
+               .value_or(0.0);
   r.allowOverlap = pair.flag("pair_allow_overlap", false, "start even though fibres overlap");
 
   OptionSection parallel(options, "Parallel");
-  parallel.choice("partition", "auto", {"auto", "dmda"}, "how segments are shared among ranks: rectilinear cuts of the cell grid");
-  r.partitionTolerance = parallel.real("partition_tolerance", 1.05, "", "most segments of a rank over the mean before the grid is cut anew", {1.0});
+  parallel.choice("partition", "auto", {"auto", "dmda"},
+                  "how segments are shared among ranks: rectilinear cuts of the cell grid");
+  r.partitionTolerance =
+      parallel.real("partition_tolerance", 1.05, "",
+                    "most segments of a rank over the mean before the grid is cut anew", {1.0});
 
   OptionSection out(options, "Output");
-  r.monitorInterval = out.integer("monitor_interval", 100, "steps between rows of the monitors", 1, most);
-  r.progressSeconds = out.real("progress_interval", 5.0, "s", "wall time between progress lines; 0: none", nonNegative);
-  r.snapshotFile = out.text("snapshot_file", "", "path of the snapshots without ending: NAME_<step>.h5 and NAME.xdmf");
+  r.monitorInterval =
+      out.integer("monitor_interval", 100, "steps between rows of the monitors", 1, most);
+  r.progressSeconds = out.real("progress_interval", 5.0, "s",
+                               "wall time between progress lines; 0: none", nonNegative);
+  r.snapshotFile = out.text("snapshot_file", "",
+                            "path of the snapshots without ending: NAME_<step>.h5 and NAME.xdmf");
   OptionSection snapshots(options, "Output", !r.snapshotFile.empty(), "-snapshot_file is not set");
-  r.snapshotInterval = snapshots.integer("snapshot_interval", 10000, "steps between snapshots", 1, most);
+  r.snapshotInterval =
+      snapshots.integer("snapshot_interval", 10000, "steps between snapshots", 1, most);
   r.stateOutput = out.text("state_output", "", "state file for the final state");
   OptionSection final(options, "Output", !r.stateOutput.empty(), "-state_output is not set");
-  r.stateForces = final.flag("state_forces", false, "forces and torques (of bonds and pairs) into -state_output");
+  r.stateForces = final.flag("state_forces", false,
+                             "forces and torques (of bonds and pairs) into -state_output");
   r.checkpointFile = out.text("checkpoint_file", "", "checkpoint, replaced each time");
-  OptionSection checkpoints(options, "Output", !r.checkpointFile.empty(), "-checkpoint_file is not set");
-  r.checkpointInterval = checkpoints.integer("checkpoint_interval", 10000, "steps between checkpoints", 1, most);
+  OptionSection checkpoints(options, "Output", !r.checkpointFile.empty(),
+                            "-checkpoint_file is not set");
+  r.checkpointInterval =
+      checkpoints.integer("checkpoint_interval", 10000, "steps between checkpoints", 1, most);
   return r;
 }
 
 std::optional<BreakageLaw> readBreakage(Options& options, std::uint64_t seed) {
   OptionSection s(options, "Breakage (on when any of these is given)");
   BreakageLaw law;
-  const bool wanted = s.given("break_strain_mean") || s.given("break_strain_std") || s.given("break_seed") || s.given("break_per");
+  const bool wanted = s.given("break_strain_mean") || s.given("break_strain_std") ||
+                      s.given("break_seed") || s.given("break_per");
   law.mean = s.real("break_strain_mean", 0.3, "", "mean of the bonds' critical strains", positive);
-  law.deviation = s.real("break_strain_std", 0.05, "", "standard deviation of the critical strains", nonNegative);
-  law.seed = static_cast<std::uint64_t>(
-      s.maybeInteger("break_seed", "that of -seed", "seed of the critical strains", 0, 9000000000000000).value_or(static_cast<long>(seed)));
-  law.perFibre = s.choice("break_per", "bond", {"bond", "fibre"}, "one critical strain for each bond, or for each fibre") == "fibre";
+  law.deviation = s.real("break_strain_std", 0.05, "", "standard deviation of the critical strains",
+                         nonNegative);
+  law.seed =
+      static_cast<std::uint64_t>(s.maybeInteger("break_seed", "that of -seed",
+                                                "seed of the critical strains", 0, 9000000000000000)
+                                     .value_or(static_cast<long>(seed)));
+  law.perFibre = s.choice("break_per", "bond", {"bond", "fibre"},
+                          "one critical strain for each bond, or for each fibre") == "fibre";
   return wanted ? std::optional(law) : std::nullopt;
 }
 
@@ -77,10 +110,13 @@ void readDomain(Options& options, const UnitSystem& units, Box& box) {
     std::copy(v->begin(), v->end(), box.lower.begin());
   if (auto v = s.reals("domain_upper", 3, "of the scene", units.length, "upper corner of the box"))
     std::copy(v->begin(), v->end(), box.upper.begin());
-  if (auto v = s.flags3("domain_periodic", "of the scene", "periodic in x, y, z")) box.periodic = *v;
+  if (auto v = s.flags3("domain_periodic", "of the scene", "periodic in x, y, z"))
+    box.periodic = *v;
   for (std::size_t d = 0; d < 3; ++d)
     if (!(box.lower[d] < box.upper[d]))
-      throw InputError(format("-domain_lower, -domain_upper: the box has no extent along %c (%g to %g)", "xyz"[d], box.lower[d], box.upper[d]));
+      throw InputError(
+          format("-domain_lower, -domain_upper: the box has no extent along %c (%g to %g)",
+                 "xyz"[d], box.lower[d], box.upper[d]));
 }
 
 }  // namespace nanoweft

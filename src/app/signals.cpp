@@ -10,10 +10,11 @@ volatile std::sig_atomic_t requested = 0;
 }
 
 void catchSignals() {
-  for (int signal : {SIGTERM, SIGUSR1})
-    std::signal(signal, [](int) { requested = 1; });
+  for (int signal : {SIGTERM, SIGUSR1}) std::signal(signal, [](int) { requested = 1; });
 }
 
-bool stopRequested() { return requested != 0; }
+bool stopRequested() {
+  return requested != 0;
+}
 
 }  // namespace nanoweft

@@ -14,15 +14,19 @@ namespace nanoweft {
 
 namespace {
 
-std::optional<StateHeader> readRestart(MPI_Comm comm, const std::string& file, const UnitSystem& units) {
+std::optional<StateHeader> readRestart(MPI_Comm comm, const std::string& file,
+                                       const UnitSystem& units) {
   if (file.empty()) return std::nullopt;
   StateHeader header = readStateHeader(comm, file);
   if (header.units != units.name)
-    throw InputError(format("-restart %s is in units %s, the run in -units %s", file.c_str(), header.units.c_str(), units.name.c_str()));
+    throw InputError(format("-restart %s is in units %s, the run in -units %s", file.c_str(),
+                            header.units.c_str(), units.name.c_str()));
   return header;
 }
 
-std::string timeColumn(const UnitSystem& units) { return std::string("time_") + units.time; }
+std::string timeColumn(const UnitSystem& units) {
+  return std::string("time_") + units.time;
+}
 
 }  // namespace
 
@@ -34,15 +38,20 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads)
       pairLaw_(readPairForce(options, units_, fibre_)),
       settings_(readRunSettings(options, units_, pairLaw_ != nullptr)),
       breakage_(readBreakage(options, settings_.seed)),
-      restartHeader_(options.helpWanted() ? std::nullopt : readRestart(comm, settings_.restart, units_)),
-      scene_(readScene(options, {units_, fibre_, comm}, options.helpWanted() || !settings_.restart.empty())),
+      restartHeader_(options.helpWanted() ? std::nullopt
+                                          : readRestart(comm, settings_.restart, units_)),
+      scene_(readScene(options, {units_, fibre_, comm},
+                       options.helpWanted() || !settings_.restart.empty())),
       boundaries_(options, units_, fibre_),
       energyMonitor_(options, "energy_monitor", "energies through a viewer: ascii:FILE.csv, draw",
-                     {timeColumn(units_), "stretch", "shear", "bending", "torsion", "pair", "kinetic", "rotational",
-                      "total", "damped", "external", "broken"},
+                     {timeColumn(units_), "stretch", "shear", "bending", "torsion", "pair",
+                      "kinetic", "rotational", "total", "damped", "external", "broken"},
                      0, {1, 2, 3, 4, 5, 6, 7}),
-      stressMonitor_(options, "stress_monitor", "stress of a tension test through a viewer: ascii:FILE.csv, draw",
-                     {timeColumn(units_), "strain", "stress_left_GPa", "stress_right_GPa", "broken_bonds"}, 1, {2, 3}),
+      stressMonitor_(
+          options, "stress_monitor",
+          "stress of a tension test through a viewer: ascii:FILE.csv, draw",
+          {timeColumn(units_), "strain", "stress_left_GPa", "stress_right_GPa", "broken_bonds"}, 1,
+          {2, 3}),
       driftEvent_(logEvent("NwKickDrift")),
       kickEvent_(logEvent("NwKick")),
       recordEvent_(logEvent("NwRecord")),
@@ -61,10 +70,13 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads)
   }
   if (stressMonitor_.wanted() && !boundaries_.tension())
     throw InputError("-stress_monitor: there is no tension test; give -tension_rate");
-  if (!settings_.maxSteps && !settings_.maxTime && settings_.relaxTolerance == 0 && !boundaries_.tension())
-    throw InputError("the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance or -tension_rate");
+  if (!settings_.maxSteps && !settings_.maxTime && settings_.relaxTolerance == 0 &&
+      !boundaries_.tension())
+    throw InputError(
+        "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance or -tension_rate");
   if (breakage_ && pairLaw_ && pairLaw_->exclude() > mostExcludeWithBreakage)
-    throw InputError(format("-pair_exclude %d: at most %d with breakage", pairLaw_->exclude(), mostExcludeWithBreakage));
+    throw InputError(format("-pair_exclude %d: at most %d with breakage", pairLaw_->exclude(),
+                            mostExcludeWithBreakage));
   checkOutputs();
   build();
 }
@@ -107,7 +119,8 @@ void Simulation::build() {
   firstStep_ = state_->step;
   firstTime_ = state_->time;
 
-  domain_ = std::make_unique<Domain>(*state_, std::make_unique<RectilinearPartitioner>(), settings_.partitionTolerance);
+  domain_ = std::make_unique<Domain>(*state_, std::make_unique<RectilinearPartitioner>(),
+                                     settings_.partitionTolerance);
   forces_->rebuild(*state_, *domain_);
   if (breaks) {
     spreadOldBreaks(*state_, forces_->pair() ? forces_->pair()->exclude() : 0);
@@ -116,17 +129,20 @@ void Simulation::build() {
   if (!restartHeader_ && forces_->pair() && !settings_.allowOverlap) refuseOverlap();
   chooseStep();
   const std::int64_t restartStep = restartHeader_ ? state_->step : -1;
-  energyMonitor_.open(comm_, restartStep);
-  stressMonitor_.open(comm_, restartStep);
-  if (!settings_.snapshotFile.empty()) snapshots_.emplace(comm_, settings_.snapshotFile, restartStep);
+  energyMonitor_.open(comm_, restartStep, settings_.monitorInterval);
+  stressMonitor_.open(comm_, restartStep, settings_.monitorInterval);
+  if (!settings_.snapshotFile.empty())
+    snapshots_.emplace(comm_, settings_.snapshotFile, restartStep);
 }
 
 void Simulation::perturb() {
   for (int i = 0; i < state_->owned(); ++i) {
     for (int c = 0; c < 3; ++c)
-      state_->pose[8 * i + c] += settings_.perturb * normalDraw(settings_.seed + static_cast<std::uint64_t>(c) * 0x9E3779B9u,
-                                                                Purpose::perturbation, state_->fibre[i],
-                                                                static_cast<std::uint32_t>(state_->chain[2 * i]));
+      state_->pose[8 * i + c] +=
+          settings_.perturb *
+          normalDraw(settings_.seed + static_cast<std::uint64_t>(c) * 0x9E3779B9u,
+                     Purpose::perturbation, state_->fibre[i],
+                     static_cast<std::uint32_t>(state_->chain[2 * i]));
     state_->box.wrap(state_->pose + 8 * i, state_->image + 3 * i);
   }
 }
@@ -137,24 +153,33 @@ void Simulation::refuseOverlap() const {
   const ClosestPair c = findClosestPair(*state_, *forces_);
   if (c.distance >= least) return;
   throw InputError(format(
-      "fibres overlap: fibre %lld segment %d and fibre %lld segment %d are %.4g %s apart, and their walls meet at %.4g %s; "
+      "fibres overlap: fibre %lld segment %d and fibre %lld segment %d are %.4g %s apart, and "
+      "their walls meet at %.4g %s; "
       "move them apart (or -pair_allow_overlap)",
-      static_cast<long long>(c.fibre[0]), c.index[0], static_cast<long long>(c.fibre[1]), c.index[1], c.distance,
-      units_.length, forces_->pair()->closestSensible(), units_.length));
+      static_cast<long long>(c.fibre[0]), c.index[0], static_cast<long long>(c.fibre[1]),
+      c.index[1], c.distance, units_.length, forces_->pair()->closestSensible(), units_.length));
 }
 
 void Simulation::chooseStep() {
   if (!evaluatesOnly()) presentLimit_ = presentStepLimit(*state_, *forces_, domain_->halo());
-  const double dt = settings_.dt.value_or(units_.name == "nano" ? 20.0 : 0.4 * (evaluatesOnly() ? chainStepLimit(fibre_) : presentLimit_));
+  const double dt = settings_.dt.value_or(
+      units_.name == "nano" ? 20.0
+                            : 0.4 * (evaluatesOnly() ? chainStepLimit(fibre_) : presentLimit_));
   if (!evaluatesOnly() && dt > presentLimit_ && !settings_.unsafeStep)
-    throw InputError(format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of that (or -ts_dt_unsafe)",
-                            dt, presentLimit_, units_.time));
+    throw InputError(
+        format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
+               "that (or -ts_dt_unsafe)",
+               dt, presentLimit_, units_.time));
   verlet_.emplace(dt, settings_.damping);
 }
 
-bool Simulation::evaluatesOnly() const { return settings_.maxSteps && *settings_.maxSteps <= state_->step; }
+bool Simulation::evaluatesOnly() const {
+  return settings_.maxSteps && *settings_.maxSteps <= state_->step;
+}
 
-double Simulation::strain() const { return boundaries_.tension() ? boundaries_.tension()->strain(state_->time) : 0.0; }
+double Simulation::strain() const {
+  return boundaries_.tension() ? boundaries_.tension()->strain(state_->time) : 0.0;
+}
 
 bool Simulation::atEnd() const {
   if (settings_.maxSteps && state_->step >= *settings_.maxSteps) return true;
@@ -168,14 +193,17 @@ Ending Simulation::run() {
   begin();
   while (!atEnd() && !converged_ && !stopAsked_) step();
   if (stopAsked_) {
-    const std::string file = settings_.checkpointFile.empty() ? "checkpoint.h5" : settings_.checkpointFile;
+    const std::string file =
+        settings_.checkpointFile.empty() ? "checkpoint.h5" : settings_.checkpointFile;
     refuseForeignTarget(comm_, file);
     writeCheckpoint(file);
-    PetscPrintf(comm_, "stopped by a signal at step %lld; go on with -restart %s\n", static_cast<long long>(state_->step), file.c_str());
+    PetscPrintf(comm_, "stopped by a signal at step %lld; go on with -restart %s\n",
+                static_cast<long long>(state_->step), file.c_str());
     return Ending::stopped;
   }
   if (lastRecorded_ != state_->step) record();
-  if (!settings_.checkpointFile.empty() && lastCheckpoint_ != state_->step) writeCheckpoint(settings_.checkpointFile);
+  if (!settings_.checkpointFile.empty() && lastCheckpoint_ != state_->step)
+    writeCheckpoint(settings_.checkpointFile);
   if (!settings_.stateOutput.empty()) {
     const LogScope log(fileEvent_);
     StateWriteOptions what;
@@ -218,10 +246,13 @@ void Simulation::step() {
   }
   const int notices = agreeOn(drift);
   if (notices & unstable) reportInstability();
-  if (notices & broke) spreadBreaks(*state_, forces_->pair() ? forces_->pair()->exclude() : 0, std::exchange(pendingBreaks_, {}));
+  if (notices & broke)
+    spreadBreaks(*state_, forces_->pair() ? forces_->pair()->exclude() : 0,
+                 std::exchange(pendingBreaks_, {}));
   if (notices & stale) forces_->rebuild(*state_, *domain_);
 
-  const bool monitored = (energyMonitor_.wanted() || stressMonitor_.wanted()) && due(settings_.monitorInterval);
+  const bool monitored =
+      (energyMonitor_.wanted() || stressMonitor_.wanted()) && due(settings_.monitorInterval);
   const bool relaxCheck = settings_.relaxTolerance > 0 && due(settings_.relaxInterval);
   ForceRequest request;
   request.energies = monitored || relaxCheck || (notices & (progress | stop)) || atEnd();
@@ -241,7 +272,8 @@ void Simulation::step() {
   }
   if (monitored) record();
   if (relaxCheck) {
-    converged_ = lastElastic_ >= 0 && std::abs(energies_->elastic() - lastElastic_) <= settings_.relaxTolerance * energies_->elastic();
+    converged_ = lastElastic_ >= 0 && std::abs(energies_->elastic() - lastElastic_) <=
+                                          settings_.relaxTolerance * energies_->elastic();
     lastElastic_ = energies_->elastic();
   }
   if (notices & progress) printProgress();
@@ -249,7 +281,8 @@ void Simulation::step() {
     const LogScope log(fileEvent_);
     snapshots_->write(*state_, units_);
   }
-  if (!settings_.checkpointFile.empty() && due(settings_.checkpointInterval)) writeCheckpoint(settings_.checkpointFile);
+  if (!settings_.checkpointFile.empty() && due(settings_.checkpointInterval))
+    writeCheckpoint(settings_.checkpointFile);
   stopAsked_ = notices & stop;
 }
 
@@ -259,7 +292,8 @@ int Simulation::agreeOn(const DriftReport& drift) {
   if (drift.unstable) notices |= unstable;
   if (stopRequested()) notices |= stop;
   if (!pendingBreaks_.empty()) notices |= broke;
-  if (state_->rank() == 0 && settings_.progressSeconds > 0 && MPI_Wtime() - lastProgress_ > settings_.progressSeconds)
+  if (state_->rank() == 0 && settings_.progressSeconds > 0 &&
+      MPI_Wtime() - lastProgress_ > settings_.progressSeconds)
     notices |= progress;
   if (state_->ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &notices, 1, MPI_INT, MPI_BOR, comm_);
   releasedPairs_ = false;
@@ -269,12 +303,14 @@ int Simulation::agreeOn(const DriftReport& drift) {
 void Simulation::record() {
   const LogScope log(recordEvent_);
   const Energies& e = *energies_;
-  energyMonitor_.record(state_->step, {state_->time, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic,
-                                       e.rotational, e.total(), e.damped, e.external, e.broken});
+  energyMonitor_.record(state_->step,
+                        {state_->time, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic,
+                         e.rotational, e.total(), e.damped, e.external, e.broken});
   if (boundaries_.tension()) {
     const auto stress = boundaries_.gripStress(*state_, *forces_, units_);
     strength_ = std::max(strength_, 0.5 * (stress[0] + stress[1]));
-    stressMonitor_.record(state_->step, {state_->time, strain(), stress[0], stress[1], static_cast<double>(e.brokenBonds)});
+    stressMonitor_.record(state_->step, {state_->time, strain(), stress[0], stress[1],
+                                         static_cast<double>(e.brokenBonds)});
   }
   lastRecorded_ = state_->step;
 }
@@ -284,7 +320,8 @@ RunRecord Simulation::runRecord() const {
   ExactSum sums[3] = {accounts_.damped, accounts_.external, accounts_.broken};
   ExactSum::reduce(sums, 3, comm_);
   const char* names[3] = {"account_damped", "account_external", "account_broken"};
-  for (int k = 0; k < 3; ++k) record.integers[names[k]] = std::vector<std::int64_t>(sums[k].data(), sums[k].data() + 3);
+  for (int k = 0; k < 3; ++k)
+    record.integers[names[k]] = std::vector<std::int64_t>(sums[k].data(), sums[k].data() + 3);
   record.reals["relax_elastic"] = {lastElastic_};
   record.reals["tension_strength"] = {strength_};
   boundaries_.save(record);
@@ -296,10 +333,12 @@ void Simulation::restoreAccounts() {
   const char* names[3] = {"account_damped", "account_external", "account_broken"};
   ExactSum* sums[3] = {&accounts_.damped, &accounts_.external, &accounts_.broken};
   for (int k = 0; k < 3; ++k)
-    if (const auto it = record.integers.find(names[k]); state_->rank() == 0 && it != record.integers.end() && it->second.size() == 3)
+    if (const auto it = record.integers.find(names[k]);
+        state_->rank() == 0 && it != record.integers.end() && it->second.size() == 3)
       std::copy(it->second.begin(), it->second.end(), sums[k]->data());
   auto real = [&](const char* name, double& value) {
-    if (const auto it = record.reals.find(name); it != record.reals.end() && it->second.size() == 1) value = it->second[0];
+    if (const auto it = record.reals.find(name); it != record.reals.end() && it->second.size() == 1)
+      value = it->second[0];
   };
   real("relax_elastic", lastElastic_);
   if (record.reals.contains("tension")) real("tension_strength", strength_);
@@ -321,9 +360,11 @@ void Simulation::reportInstability() {
   for (int i = 0; i < state_->owned(); ++i) {
     const double* v = state_->velocity + 3 * i;
     const double* w = state_->angular + 3 * i;
-    const double slide = std::hypot(v[0], v[1], v[2]), turn = std::hypot(w[0], w[1], w[2]) * 0.5 * fibre_.length;
+    const double slide = std::hypot(v[0], v[1], v[2]),
+                 turn = std::hypot(w[0], w[1], w[2]) * 0.5 * fibre_.length;
     double distance = verlet_->dt() * std::max(slide, turn);
-    if (!std::isfinite(slide) || !std::isfinite(turn)) distance = std::numeric_limits<double>::infinity();
+    if (!std::isfinite(slide) || !std::isfinite(turn))
+      distance = std::numeric_limits<double>::infinity();
     if (distance > worst.distance) {
       worst.distance = distance;
       segment[0] = state_->fibre[i];
@@ -332,13 +373,17 @@ void Simulation::reportInstability() {
   }
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_);
   MPI_Bcast(segment, 2, MPI_LONG_LONG, worst.rank, comm_);
-  std::string advice = lastCheckpoint_ >= 0
-                           ? format("the checkpoint %s of step %lld is good", settings_.checkpointFile.c_str(), static_cast<long long>(lastCheckpoint_))
-                           : restartHeader_ ? "the checkpoint " + settings_.restart + " is good" : "there is no checkpoint yet";
-  throw RunError(format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s (stable limit at the start %.4g); "
-                        "take a smaller -ts_dt or more damping; %s",
-                        static_cast<long long>(state_->step), segment[0], segment[1], worst.distance, units_.length, verlet_->dt(),
-                        units_.time, presentLimit_, advice.c_str()));
+  std::string advice = lastCheckpoint_ >= 0 ? format("the checkpoint %s of step %lld is good",
+                                                     settings_.checkpointFile.c_str(),
+                                                     static_cast<long long>(lastCheckpoint_))
+                       : restartHeader_     ? "the checkpoint " + settings_.restart + " is good"
+                                            : "there is no checkpoint yet";
+  throw RunError(
+      format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s "
+             "(stable limit at the start %.4g); "
+             "take a smaller -ts_dt or more damping; %s",
+             static_cast<long long>(state_->step), segment[0], segment[1], worst.distance,
+             units_.length, verlet_->dt(), units_.time, presentLimit_, advice.c_str()));
 }
 
 }  // namespace nanoweft

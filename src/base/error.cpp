@@ -18,7 +18,9 @@ PetscErrorCode remember(MPI_Comm, int, const char*, const char*, PetscErrorCode 
 
 }  // namespace
 
-void keepPetscErrors() { PetscPushErrorHandler(remember, nullptr); }
+void keepPetscErrors() {
+  PetscPushErrorHandler(remember, nullptr);
+}
 
 void petsc(PetscErrorCode code, std::source_location where) {
   if (code == 0) return;

@@ -2,7 +2,9 @@
 
 namespace nanoweft::h5 {
 
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+void silence() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 std::string lastError() {
   std::string reason;

@@ -15,18 +15,59 @@ namespace {
 
 /// Options that PETSc's own objects and PetscInitialize may read.
 constexpr std::string_view petscPrefixes[] = {
-    "help",      "options_",   "log",         "malloc",  "memory_",  "info",       "version",
-    "draw_",     "display",    "viewer_",     "sf_",     "vecscatter_", "dm_",     "da_",
-    "mat_partitioning",        "mpi_",        "on_error_", "error_", "debug",      "start_in_debugger",
-    "stop_for_debugger",       "fp_trap",     "no_signal_handler",   "skip_petscrc", "citations",
-    "get_total_flops",         "petsc_",      "use_gpu_aware_mpi",   "shared_tmp", "tmp",
-    "saws_",     "x_virtual",  "cuda_",       "hip_",    "device_",  "nox",        "checkfunctionlist",
-    "checkstack", "objects_dump", "mpiuni-allow-multiprocess-launch", "vec_", "is_", "splitreduction_",
-    "build_twosided", "matptap", "history", "root_device_context", "partitioner",
+    "help",
+    "options_",
+    "log",
+    "malloc",
+    "memory_",
+    "info",
+    "version",
+    "draw_",
+    "display",
+    "viewer_",
+    "sf_",
+    "vecscatter_",
+    "dm_",
+    "da_",
+    "mat_partitioning",
+    "mpi_",
+    "on_error_",
+    "error_",
+    "debug",
+    "start_in_debugger",
+    "stop_for_debugger",
+    "fp_trap",
+    "no_signal_handler",
+    "skip_petscrc",
+    "citations",
+    "get_total_flops",
+    "petsc_",
+    "use_gpu_aware_mpi",
+    "shared_tmp",
+    "tmp",
+    "saws_",
+    "x_virtual",
+    "cuda_",
+    "hip_",
+    "device_",
+    "nox",
+    "checkfunctionlist",
+    "checkstack",
+    "objects_dump",
+    "mpiuni-allow-multiprocess-launch",
+    "vec_",
+    "is_",
+    "splitreduction_",
+    "build_twosided",
+    "matptap",
+    "history",
+    "root_device_context",
+    "partitioner",
 };
 
 bool belongsToPetsc(std::string_view name) {
-  return std::ranges::any_of(petscPrefixes, [&](std::string_view p) { return name.starts_with(p); });
+  return std::ranges::any_of(petscPrefixes,
+                             [&](std::string_view p) { return name.starts_with(p); });
 }
 
 int editDistance(std::string_view a, std::string_view b) {
@@ -88,7 +129,9 @@ void checkBounds(const std::string& name, double value, const Bounds& bounds) {
   throw InputError(format("-%s %g: must be %s", name.c_str(), value, range.c_str()));
 }
 
-std::string shownReal(double value) { return format("%.10g", value); }
+std::string shownReal(double value) {
+  return format("%.10g", value);
+}
 
 }  // namespace
 
@@ -159,7 +202,8 @@ std::optional<std::string> OptionSection::raw(const std::string& name, const std
   document(name, shown.c_str(), unit.c_str(), help.c_str());
   char buffer[PETSC_MAX_PATH_LEN] = "";
   PetscBool found;
-  petsc(PetscOptionsGetString(nullptr, nullptr, ("-" + name).c_str(), buffer, sizeof buffer, &found));
+  petsc(
+      PetscOptionsGetString(nullptr, nullptr, ("-" + name).c_str(), buffer, sizeof buffer, &found));
   if (!found) return std::nullopt;
   if (!active_)
     throw InputError(format("-%s is not used by this run: %s", name.c_str(), reason_.c_str()));
@@ -182,7 +226,8 @@ std::optional<double> OptionSection::maybeReal(const std::string& name, const ch
 
 long OptionSection::integer(const std::string& name, long fallback, const char* help, long lower,
                             long upper) {
-  return maybeInteger(name, std::to_string(fallback).c_str(), help, lower, upper).value_or(fallback);
+  return maybeInteger(name, std::to_string(fallback).c_str(), help, lower, upper)
+      .value_or(fallback);
 }
 
 std::optional<long> OptionSection::maybeInteger(const std::string& name, const char* shown,
@@ -203,8 +248,7 @@ bool OptionSection::flag(const std::string& name, bool fallback, const char* hel
 std::string OptionSection::text(const std::string& name, const std::string& fallback,
                                 const char* help) {
   const auto value = raw(name, fallback.empty() ? "none" : fallback, "", help);
-  if (value && value->empty())
-    throw InputError(format("-%s needs a value", name.c_str()));
+  if (value && value->empty()) throw InputError(format("-%s needs a value", name.c_str()));
   return value.value_or(fallback);
 }
 
@@ -214,7 +258,8 @@ std::string OptionSection::choice(const std::string& name, const std::string& fa
   for (const std::string& c : choices) list += (list.empty() ? "" : "|") + c;
   const std::string value = raw(name, fallback, "", help + (" (" + list + ")")).value_or(fallback);
   if (std::ranges::find(choices, value) == choices.end())
-    throw InputError(format("-%s '%s': must be one of %s", name.c_str(), value.c_str(), list.c_str()));
+    throw InputError(
+        format("-%s '%s': must be one of %s", name.c_str(), value.c_str(), list.c_str()));
   return value;
 }
 
@@ -240,7 +285,8 @@ std::optional<std::array<bool, 3>> OptionSection::flags3(const std::string& name
   if (parts.size() != 3)
     throw InputError(format("-%s '%s': expected three of 0 and 1 separated by commas", name.c_str(),
                             value->c_str()));
-  return std::array{parseFlag(name, parts[0]), parseFlag(name, parts[1]), parseFlag(name, parts[2])};
+  return std::array{parseFlag(name, parts[0]), parseFlag(name, parts[1]),
+                    parseFlag(name, parts[2])};
 }
 
 std::vector<std::string> OptionSection::words(const std::string& name, const char* help) {

@@ -15,7 +15,8 @@ constexpr double mostCells = 4096;
 /// Ranks per direction: of all ways to factor their number, the one with the least cut area, and
 /// with parts no thinner than a cell when there is such a way.
 std::array<int, 3> arrangeRanks(int ranks, const std::array<double, 3>& length,
-                                const std::array<bool, 3>& periodic, const std::array<int, 3>& cells) {
+                                const std::array<bool, 3>& periodic,
+                                const std::array<int, 3>& cells) {
   std::array<int, 3> best{ranks, 1, 1};
   double bestCost = std::numeric_limits<double>::infinity();
   for (int px = 1; px <= ranks; ++px) {
@@ -47,7 +48,9 @@ std::vector<PetscInt> cut(const std::vector<std::int64_t>& histogram, int parts)
     const int first = ends.empty() ? 1 : ends.back() + 1, last = cells - (parts - p);
     // Stop where the sum is nearest to its share.
     const double share = static_cast<double>(total) * p / parts;
-    while (cell < last && (cell < first || sum + 0.5 * static_cast<double>(histogram[static_cast<std::size_t>(cell)]) < share))
+    while (cell < last &&
+           (cell < first ||
+            sum + 0.5 * static_cast<double>(histogram[static_cast<std::size_t>(cell)]) < share))
       sum += histogram[static_cast<std::size_t>(cell++)];
     ends.push_back(p == parts ? cells : cell);
   }
@@ -84,17 +87,21 @@ CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
     for (std::size_t p = 0; p < ends_[d].size(); ++p)
       widths[d].push_back(ends_[d][p] - (p == 0 ? 0 : ends_[d][p - 1]));
   auto boundary = [&](int d) { return periodic_[d] ? DM_BOUNDARY_PERIODIC : DM_BOUNDARY_NONE; };
-  petsc(DMDACreate3d(state.comm(), boundary(0), boundary(1), boundary(2), DMDA_STENCIL_BOX, cells_[0],
-                     cells_[1], cells_[2], parts_[0], parts_[1], parts_[2], 1, 1, widths[0].data(),
-                     widths[1].data(), widths[2].data(), &dm_));
+  petsc(DMDACreate3d(state.comm(), boundary(0), boundary(1), boundary(2), DMDA_STENCIL_BOX,
+                     cells_[0], cells_[1], cells_[2], parts_[0], parts_[1], parts_[2], 1, 1,
+                     widths[0].data(), widths[1].data(), widths[2].data(), &dm_));
   petsc(DMSetUp(dm_));
 }
 
-CellGrid::~CellGrid() { DMDestroy(&dm_); }
+CellGrid::~CellGrid() {
+  DMDestroy(&dm_);
+}
 
-bool CellGrid::covers(const std::array<double, 3>& lower, const std::array<double, 3>& upper) const {
+bool CellGrid::covers(const std::array<double, 3>& lower,
+                      const std::array<double, 3>& upper) const {
   for (int d = 0; d < 3; ++d)
-    if (!periodic_[d] && (lower[d] < lower_[d] - range_ || upper[d] > upper_[d] + range_)) return false;
+    if (!periodic_[d] && (lower[d] < lower_[d] - range_ || upper[d] > upper_[d] + range_))
+      return false;
   return true;
 }
 
@@ -103,7 +110,8 @@ int CellGrid::owner(std::int64_t cell) const {
   for (int d = 0; d < 3; ++d) {
     const auto c = static_cast<PetscInt>(cell % cells_[d]);
     cell /= cells_[d];
-    part[d] = static_cast<int>(std::upper_bound(ends_[d].begin(), ends_[d].end(), c) - ends_[d].begin());
+    part[d] =
+        static_cast<int>(std::upper_bound(ends_[d].begin(), ends_[d].end(), c) - ends_[d].begin());
   }
   return part[0] + parts_[0] * (part[1] + parts_[1] * part[2]);
 }

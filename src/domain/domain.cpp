@@ -54,7 +54,8 @@ bool Domain::findPartners(const State& state) {
   for (int i = 0; i < state.local(); ++i) local_.insert(state.row[i], i);
   for (int i = 0; i < state.owned(); ++i) {
     const auto next = state.successor(i), previous = state.predecessor(i);
-    if ((next >= 0 && local_.at(next) < 0) || (previous >= 0 && local_.at(previous) < 0)) return false;
+    if ((next >= 0 && local_.at(next) < 0) || (previous >= 0 && local_.at(previous) < 0))
+      return false;
   }
   return true;
 }
@@ -62,9 +63,10 @@ bool Domain::findPartners(const State& state) {
 void requireWideBox(const Box& box, double range, const char* length) {
   for (int d = 0; d < 3; ++d)
     if (box.periodic[d] && !(box.length(d) >= 2.0 * range))
-      throw InputError(format(
-          "the periodic box is too thin along %c: %g %s, but two list ranges (cutoff + segment + skin) are %g %s",
-          "xyz"[d], box.length(d), length, 2.0 * range, length));
+      throw InputError(
+          format("the periodic box is too thin along %c: %g %s, but two list ranges (cutoff + "
+                 "segment + skin) are %g %s",
+                 "xyz"[d], box.length(d), length, 2.0 * range, length));
 }
 
 }  // namespace nanoweft

@@ -88,8 +88,12 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
       for (int k = cell.begin; k < cell.end; ++k) {
         const int i = cells.order[static_cast<std::size_t>(k)];
         list.push_back({{state.pose[8 * i], state.pose[8 * i + 1], state.pose[8 * i + 2]},
-                        state.row[i], state.fibre[i], state.chain[2 * i], state.chain[2 * i + 1],
-                        state.bond[i], i});
+                        state.row[i],
+                        state.fibre[i],
+                        state.chain[2 * i],
+                        state.chain[2 * i + 1],
+                        state.bond[i],
+                        i});
       }
     }
   // (d) Keep those in range of an own segment, and bond partners.
@@ -131,8 +135,10 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
   }
   // (e) The kept ones are the leaves of the star forest.
   const int ghosts = static_cast<int>(kept.size()), owned = state.owned();
-  petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES));
-  petsc(PetscSFSetGraph(velocitySf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES));
+  petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
+                        PETSC_COPY_VALUES));
+  petsc(PetscSFSetGraph(velocitySf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
+                        PETSC_COPY_VALUES));
   state.addGhosts(ghosts);
   for (int k = 0; k < ghosts; ++k) {
     const Candidate& c = kept[static_cast<std::size_t>(k)];

@@ -64,7 +64,8 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
   Fibre f = preset == "carbon_t300" ? carbonT300(units) : cnt1010(units);
   const char* fromPreset = "of the preset";
   const double massPerLength = f.mass / f.length;
-  f.radius = s.maybeReal("fibre_radius", fromPreset, units.length, "radius rf", positive).value_or(f.radius);
+  f.radius = s.maybeReal("fibre_radius", fromPreset, units.length, "radius rf", positive)
+                 .value_or(f.radius);
   f.wall = s.maybeReal("fibre_wall", fromPreset, units.length,
                        "wall of a thin-walled tube; 0: a solid round fibre", nonNegative)
                .value_or(f.wall);
@@ -83,14 +84,15 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
                            "mass of a segment", positive))
     f.mass = *m * units.mass;
   if (2.0 * f.radius < f.wall)
-    throw InputError(format("-fibre_wall %g: thicker than the fibre (radius %g)", f.wall, f.radius));
+    throw InputError(
+        format("-fibre_wall %g: thicker than the fibre (radius %g)", f.wall, f.radius));
   f.derive();
   if (auto inertia = s.maybeReal("fibre_segment_inertia", "m rf^2 (tube), m rf^2/2 (solid)",
                                  (std::string(units.massName) + " " + units.length + "^2").c_str(),
                                  "moment of inertia of a segment, equal about all axes", positive))
     f.inertia = *inertia * units.mass;
-  const std::string stiffnessUnit = format("%s/%s^2,%s,%s,%s", units.energy, units.length, units.energy,
-                                           units.energy, units.energy);
+  const std::string stiffnessUnit = format("%s/%s^2,%s,%s,%s", units.energy, units.length,
+                                           units.energy, units.energy, units.energy);
   if (auto b = s.reals("fibre_bond_stiffness", 4, "from E, G and the cross-section",
                        stiffnessUnit.c_str(), "bond stiffnesses B1,B2,B3,B4 as they are")) {
     f.bond = {f.length, (*b)[0], (*b)[1], (*b)[2], (*b)[3]};
@@ -98,7 +100,8 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
     const double antisymmetric = 0.25 * (*b)[1] + (*b)[2] + 0.5 * (*b)[3];
     if (!((*b)[0] > 0 && (*b)[1] > 0 && antisymmetric > 0 && (*b)[3] > 0))
       throw InputError(
-          "-fibre_bond_stiffness: needs B1, B2, B4 and B2/4 + B3 + B4/2 all positive, or the bond is "
+          "-fibre_bond_stiffness: needs B1, B2, B4 and B2/4 + B3 + B4/2 all positive, or the bond "
+          "is "
           "unstable at rest");
   }
   return f;

@@ -24,12 +24,14 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
     bonds.outer.clear();
     auto push = [&](std::int32_t i, std::int32_t j) {
       const double critical = law ? law->criticalStrain(state.fibre[i], state.chain[2 * i]) : 0.0;
-      (i < state.owned() && j < state.owned() ? bonds.inner : bonds.outer).push_back({i, j, critical});
+      (i < state.owned() && j < state.owned() ? bonds.inner : bonds.outer)
+          .push_back({i, j, critical});
     };
     for (std::int32_t i = shares[t].begin; i < shares[t].end; ++i) {
       if (const auto next = state.successor(i); next >= 0 && !(state.bond[i] & nextBroken))
         push(i, domain.localIndex(next));
-      if (const auto before = state.predecessor(i); before >= 0 && !(state.bond[i] & previousBroken)) {
+      if (const auto before = state.predecessor(i);
+          before >= 0 && !(state.bond[i] & previousBroken)) {
         const std::int32_t j = domain.localIndex(before);
         if (j < shares[t].begin || j >= shares[t].end) push(j, i);
       }
@@ -37,10 +39,12 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
   }
 }
 
-void BondList::add(State& state, const BondParameters& parameters, const MinimumImage& nearest, int thread,
-                   Share share, bool ghosts, bool energies, bool mayBreak, BondTally& tally) {
+void BondList::add(State& state, const BondParameters& parameters, const MinimumImage& nearest,
+                   int thread, Share share, bool ghosts, bool energies, bool mayBreak,
+                   BondTally& tally) {
   if (!ghosts)
-    for (std::size_t k = 3 * static_cast<std::size_t>(share.begin); k < 3 * static_cast<std::size_t>(share.end); ++k)
+    for (std::size_t k = 3 * static_cast<std::size_t>(share.begin);
+         k < 3 * static_cast<std::size_t>(share.end); ++k)
       state.force[k] = state.torque[k] = 0.0;
   auto& threadBonds = threads_[static_cast<std::size_t>(thread)];
   auto& bonds = ghosts ? threadBonds.outer : threadBonds.inner;
@@ -76,8 +80,9 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
         if (strain > entry.critical) {
           someBroke = true;
           if (mine(i[k])) {
-            const auto u = bondEnergy(parameters, nearest(state.position(j[k]) - state.position(i[k])),
-                                      state.orientation(i[k]), state.orientation(j[k]));
+            const auto u =
+                bondEnergy(parameters, nearest(state.position(j[k]) - state.position(i[k])),
+                           state.orientation(i[k]), state.orientation(j[k]));
             tally.released.add(u.stretch + u.shear + u.bending + u.torsion, tally.energyUnit);
             tally.broken.push_back(state.row[i[k]]);
             state.bond[i[k]] |= nextBroken;

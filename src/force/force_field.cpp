@@ -24,7 +24,8 @@ ForceField::ForceField(Settings settings, const Box& box)
   skinLimit_ = 1.5 * length;
   if (settings_.pair)
     for (int d = 0; d < 3; ++d)
-      if (box.periodic[d]) skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - settings_.pair->reach());
+      if (box.periodic[d])
+        skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - settings_.pair->reach());
   if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
 }
 
@@ -39,7 +40,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
   if (settings_.pair) {
     pairs_.build(state, domain.grid(), shares_, listRange(), settings_.pair->exclude());
     reference_.resize(3 * static_cast<std::size_t>(state.owned()));
-    for (int i = 0; i < state.owned(); ++i) std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
+    for (int i = 0; i < state.owned(); ++i)
+      std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
     sums_.resize(6 * static_cast<std::size_t>(state.local()));
     if (viscous()) viscousSums_.resize(sums_.size());
     halfSkin2_ = 0.25 * skin_ * skin_;
@@ -88,8 +90,8 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     return job;
   };
   auto bonds = [&](std::size_t t, bool ghosts) {
-    bonds_.add(state, settings_.fibre.bond, nearest_, static_cast<int>(t), shares_[t], ghosts, request.energies,
-               request.mayBreak, bondTallies[t]);
+    bonds_.add(state, settings_.fibre.bond, nearest_, static_cast<int>(t), shares_[t], ghosts,
+               request.energies, request.mayBreak, bondTallies[t]);
   };
   for (std::size_t t = 0; t < threads; ++t)
     bondTallies[t].energyUnit = pairTallies[t].energyUnit = energyUnit_;
@@ -101,20 +103,23 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   }
   {
     const LogScope log(bondEvent_);
-#pragma omp parallel num_threads(static_cast<int>(threads))
+#pragma omp parallel num_threads(static_cast <int>(threads))
     bonds(static_cast<std::size_t>(omp_get_thread_num()), false);
     PetscLogFlops(290.0 * static_cast<double>(bonds_.size()));
   }
   const double begin = MPI_Wtime();
   if (pair) {
     const LogScope log(pairEvent_);
-#pragma omp parallel num_threads(static_cast<int>(threads))
+#pragma omp parallel num_threads(static_cast <int>(threads))
     {
       const auto t = static_cast<std::size_t>(omp_get_thread_num());
-      const std::size_t from = 6 * static_cast<std::size_t>(shares_[t].begin), to = 6 * static_cast<std::size_t>(shares_[t].end);
-      std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(from), sums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
+      const std::size_t from = 6 * static_cast<std::size_t>(shares_[t].begin),
+                        to = 6 * static_cast<std::size_t>(shares_[t].end);
+      std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(from),
+                sums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
       if (viscousOn)
-        std::fill(viscousSums_.begin() + static_cast<std::ptrdiff_t>(from), viscousSums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
+        std::fill(viscousSums_.begin() + static_cast<std::ptrdiff_t>(from),
+                  viscousSums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
       pair->add(pairJob(t, pairs_.threads()[t].inner), request.energies, pairTallies[t]);
     }
   }
@@ -126,23 +131,25 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   waited = MPI_Wtime() - waited;
   if (state.ranks() > 1) {
     const LogScope log(bondEvent_);
-#pragma omp parallel num_threads(static_cast<int>(threads))
+#pragma omp parallel num_threads(static_cast <int>(threads))
     bonds(static_cast<std::size_t>(omp_get_thread_num()), true);
   }
   if (pair) {
     const LogScope log(pairEvent_);
-#pragma omp parallel num_threads(static_cast<int>(threads))
+#pragma omp parallel num_threads(static_cast <int>(threads))
     {
       const auto t = static_cast<std::size_t>(omp_get_thread_num());
       pair->add(pairJob(t, pairs_.threads()[t].outer), request.energies, pairTallies[t]);
       const double forceUnit = pair->forceUnit(), torqueUnit = pair->torqueUnit();
-      for (auto i = static_cast<std::size_t>(shares_[t].begin); i < static_cast<std::size_t>(shares_[t].end); ++i)
+      for (auto i = static_cast<std::size_t>(shares_[t].begin);
+           i < static_cast<std::size_t>(shares_[t].end); ++i)
         for (std::size_t c = 0; c < 3; ++c) {
           state.force[3 * i + c] += forceUnit * static_cast<double>(sums_[6 * i + c]);
           state.torque[3 * i + c] += torqueUnit * static_cast<double>(sums_[6 * i + 3 + c]);
           if (!viscousOn) continue;
           state.viscous[6 * i + c] = forceUnit * static_cast<double>(viscousSums_[6 * i + c]);
-          state.viscous[6 * i + 3 + c] = torqueUnit * static_cast<double>(viscousSums_[6 * i + 3 + c]);
+          state.viscous[6 * i + 3 + c] =
+              torqueUnit * static_cast<double>(viscousSums_[6 * i + 3 + c]);
         }
     }
     std::int64_t resolved = 0;
@@ -162,7 +169,8 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     outcome.torsion.merge(bondTallies[t].torsion);
     outcome.pair.merge(pairTallies[t].energy);
     outcome.released.merge(bondTallies[t].released);
-    outcome.broken.insert(outcome.broken.end(), bondTallies[t].broken.begin(), bondTallies[t].broken.end());
+    outcome.broken.insert(outcome.broken.end(), bondTallies[t].broken.begin(),
+                          bondTallies[t].broken.end());
   }
   return outcome;
 }
@@ -175,10 +183,15 @@ ClosestPair findClosestPair(const State& state, const ForceField& forces) {
       for (const ListPair& p : *list) {
         const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
         // No points of the pair are closer than this.
-        if (norm(separation) - (forces.pair()->reach() - forces.pair()->cutoff()) >= closest.distance) continue;
-        const double distance = forces.pair()->closest(separation, state.orientation(p.i), state.orientation(p.j));
+        if (norm(separation) - (forces.pair()->reach() - forces.pair()->cutoff()) >=
+            closest.distance)
+          continue;
+        const double distance =
+            forces.pair()->closest(separation, state.orientation(p.i), state.orientation(p.j));
         if (distance < closest.distance)
-          closest = {distance, {state.fibre[p.i], state.fibre[p.j]}, {state.chain[2 * p.i], state.chain[2 * p.j]}};
+          closest = {distance,
+                     {state.fibre[p.i], state.fibre[p.j]},
+                     {state.chain[2 * p.i], state.chain[2 * p.j]}};
       }
   struct {
     double distance;

@@ -18,7 +18,8 @@ constexpr int mostPoints = 9;
 template <class Law>
 class PairForceOf final : public PairForce {
  public:
-  PairForceOf(std::string name, const Law& law, int points, double length, int exclude) : law_(law) {
+  PairForceOf(std::string name, const Law& law, int points, double length, int exclude)
+      : law_(law) {
     name_ = std::move(name);
     points_ = points;
     exclude_ = exclude;
@@ -36,10 +37,12 @@ class PairForceOf final : public PairForce {
     using Kernel = void (*)(const Law&, double, double, double, double, const PairJob&, PairTally&);
     static constexpr auto table = []<std::size_t... N>(std::index_sequence<N...>) {
       return std::array<std::array<Kernel, 2>, mostPoints>{
-          {{addPairs<false, static_cast<int>(N) + 1, Law>, addPairs<true, static_cast<int>(N) + 1, Law>}...}};
-    }(std::make_index_sequence<mostPoints>{});
-    table[static_cast<std::size_t>(points_ - 1)][energies](law_, length_, reach_, forceUnit_, torqueUnit_, job,
-                                                           tally);
+          {{addPairs<false, static_cast<int>(N) + 1, Law>,
+            addPairs<true, static_cast<int>(N) + 1, Law>}...}};
+    }
+    (std::make_index_sequence<mostPoints>{});
+    table[static_cast<std::size_t>(points_ - 1)][energies](law_, length_, reach_, forceUnit_,
+                                                           torqueUnit_, job, tally);
   }
 
   double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
@@ -70,8 +73,9 @@ std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool acti
   VdwParameters p;
   const std::string& energy = c.units.energy;
   const std::string perArea = energy + "/" + c.units.length + "^2";
-  p.smooth = s.choice("vdw_splice", "smooth", {"smooth", "kink"},
-                      "where the linear repulsion joins: equal stiffness, or the minimum") == "smooth";
+  p.smooth =
+      s.choice("vdw_splice", "smooth", {"smooth", "kink"},
+               "where the linear repulsion joins: equal stiffness, or the minimum") == "smooth";
   p.epsilon = s.real("vdw_epsilon", p.epsilon, c.units.energy, "depth parameter eps", positive);
   p.a = s.real("vdw_a", p.a, "", "factor A of the repulsive power", positive);
   p.b = s.real("vdw_b", p.b, "", "factor B of the attractive power", positive);
@@ -87,10 +91,10 @@ std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool acti
   p.cutoff = c.cutoff;
   auto make = [&](const auto& law) -> std::unique_ptr<PairForce> {
     if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
-      throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s", p.switchFrom,
-                              law.restDistance(), c.units.length));
-    return std::make_unique<PairForceOf<std::decay_t<decltype(law)>>>("vdw", law, c.points, c.fibre.length,
-                                                                      c.exclude);
+      throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s",
+                              p.switchFrom, law.restDistance(), c.units.length));
+    return std::make_unique<PairForceOf<std::decay_t<decltype(law)>>>("vdw", law, c.points,
+                                                                      c.fibre.length, c.exclude);
   };
   if (p.alpha == 9.5 && p.beta == 4.0) return make(Vdw<PaperExponents>(p));
   return make(Vdw<GeneralExponents>(p));
@@ -98,7 +102,8 @@ std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool acti
 
 std::unique_ptr<PairForce> makeHertz(OptionSection& s, const Context& c, bool active) {
   const std::string unit = std::string(c.units.energy) + "/" + c.units.length + "^2.5";
-  const double stiffness = s.real("hertz_stiffness", 200.0, unit.c_str(), "K of u = K (2 rf - r)^2.5", positive);
+  const double stiffness =
+      s.real("hertz_stiffness", 200.0, unit.c_str(), "K of u = K (2 rf - r)^2.5", positive);
   if (!active) return nullptr;
   return std::make_unique<PairForceOf<Hertz>>("hertz", Hertz(stiffness, c.fibre.radius), c.points,
                                               c.fibre.length, c.exclude);
@@ -117,7 +122,8 @@ constexpr Entry laws[] = {
 
 }  // namespace
 
-std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units, const Fibre& fibre) {
+std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units,
+                                         const Fibre& fibre) {
   std::vector<std::string> names;
   for (const Entry& e : laws) names.push_back(e.name);
   names.push_back("none");
@@ -127,14 +133,20 @@ std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& uni
   Context c{units, fibre, 3, 20, 0, 0};
   c.points = static_cast<int>(s.integer("pair_points", 3, "points per segment", 1, mostPoints));
   c.exclude = static_cast<int>(
-      s.integer("pair_exclude", 20, "segments of one fibre interact from this many places apart", 2, 1000000));
+      s.integer("pair_exclude", 20, "segments of one fibre interact from this many places apart", 2,
+                1000000));
   OptionSection range(options, "Pair forces", chosen == "vdw", "-pair is " + chosen);
-  c.switchFrom = range.maybeReal("pair_switch", "3 T", units.length, "distance where the switch-off begins", positive)
+  c.switchFrom = range
+                     .maybeReal("pair_switch", "3 T", units.length,
+                                "distance where the switch-off begins", positive)
                      .value_or(3.0 * fibre.length);
-  c.cutoff = range.maybeReal("pair_cutoff", "4 T", units.length, "distance where pair forces end", positive)
-                 .value_or(4.0 * fibre.length);
+  c.cutoff =
+      range
+          .maybeReal("pair_cutoff", "4 T", units.length, "distance where pair forces end", positive)
+          .value_or(4.0 * fibre.length);
   if (c.cutoff <= c.switchFrom)
-    throw InputError(format("-pair_cutoff %g: must lie beyond -pair_switch %g", c.cutoff, c.switchFrom));
+    throw InputError(
+        format("-pair_cutoff %g: must lie beyond -pair_switch %g", c.cutoff, c.switchFrom));
   std::unique_ptr<PairForce> result;
   for (const Entry& e : laws) {
     const bool active = chosen == e.name;

@@ -28,7 +28,8 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, int t
   std::int32_t begin = 0;
   for (int t = 0; t < threads; ++t) {
     const double goal = work.back() * (t + 1) / threads;
-    auto end = static_cast<std::int32_t>(std::lower_bound(work.begin(), work.end(), goal) - work.begin());
+    auto end =
+        static_cast<std::int32_t>(std::lower_bound(work.begin(), work.end(), goal) - work.begin());
     if (t == threads - 1) end = state.owned();
     shares[static_cast<std::size_t>(t)] = {begin, std::max(begin, std::min(end, state.owned()))};
     begin = shares[static_cast<std::size_t>(t)].end;
@@ -54,7 +55,7 @@ void PairList::build(const State& state, const CellGrid& grid, const std::vector
     std::int64_t row, start;
     std::int32_t point;
   };
-#pragma omp parallel num_threads(static_cast<int>(shares.size()))
+#pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     const Share share = shares[t];
@@ -75,7 +76,8 @@ void PairList::build(const State& state, const CellGrid& grid, const std::vector
           const auto& r = cells.ranges[static_cast<std::size_t>(place)];
           for (int k = r.begin; k < r.end; ++k) {
             const int j = cells.order[static_cast<std::size_t>(k)];
-            neighbours.push_back({state.position(j), state.row[j], state.row[j] - state.chain[2 * j], j});
+            neighbours.push_back(
+                {state.position(j), state.row[j], state.row[j] - state.chain[2 * j], j});
           }
         }
       }

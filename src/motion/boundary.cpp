@@ -30,15 +30,19 @@ Boundaries::Boundaries(Options& options, const UnitSystem& units, const Fibre& f
 void Boundaries::readNamed(Options& options, const UnitSystem& units) {
   const std::string speed = std::string(units.length) + "/" + units.time;
   OptionSection s(options, "Boundary conditions");
-  const auto names = s.words("bc", "names of groups that something acts on, separated by commas; NAME below");
-  s.document("NAME_region", "none", units.length, "members: x,y,z of the lower and of the upper corner");
+  const auto names =
+      s.words("bc", "names of groups that something acts on, separated by commas; NAME below");
+  s.document("NAME_region", "none", units.length,
+             "members: x,y,z of the lower and of the upper corner");
   s.document("NAME_group", "none", "", "members: segments with this bit (0 to 15) of /state/group");
   s.document("NAME_fix", "0,0,0", "", "hold these components of the velocity at NAME_velocity");
   s.document("NAME_fix_rotation", "false", "", "keep the members from rotating");
-  s.document("NAME_velocity", "0,0,0", speed.c_str(), "prescribed velocity (fixes all components unless NAME_fix says which)");
+  s.document("NAME_velocity", "0,0,0", speed.c_str(),
+             "prescribed velocity (fixes all components unless NAME_fix says which)");
   s.document("NAME_force", "0,0,0", units.force, "force on each member");
   s.document("NAME_torque", "0,0,0", units.energy, "torque on each member");
-  s.document("NAME_ramp", "0", units.time, "velocity, force and torque grow linearly for this long");
+  s.document("NAME_ramp", "0", units.time,
+             "velocity, force and torque grow linearly for this long");
   if (names.size() > mostNamed) throw InputError(format("-bc: at most %d names", mostNamed));
   for (const std::string& name : names) {
     if (std::ranges::any_of(boundaries_, [&](const Boundary& b) { return b.name == name; }))
@@ -53,12 +57,15 @@ void Boundaries::readNamed(Options& options, const UnitSystem& units) {
       std::ranges::copy(*r, b.region->begin());
       for (std::size_t d = 0; d < 3; ++d)
         if (!((*r)[d] <= (*r)[3 + d]))
-          throw InputError(format("-%s_region: its lower corner must not lie above its upper one", name.c_str()));
+          throw InputError(format("-%s_region: its lower corner must not lie above its upper one",
+                                  name.c_str()));
     }
     const auto group = n.maybeInteger(name + "_group", "", "", 0, firstReservedGroupBit - 1);
     if (b.region.has_value() == group.has_value())
-      throw InputError(format("-bc %s: give either -%s_region or -%s_group", name.c_str(), name.c_str(), name.c_str()));
-    b.bit = group ? static_cast<int>(*group) : firstReservedGroupBit + static_cast<int>(boundaries_.size());
+      throw InputError(format("-bc %s: give either -%s_region or -%s_group", name.c_str(),
+                              name.c_str(), name.c_str()));
+    b.bit = group ? static_cast<int>(*group)
+                  : firstReservedGroupBit + static_cast<int>(boundaries_.size());
     auto vector = [&](const char* suffix) {
       const auto v = n.reals(name + suffix, 3, "", "", "");
       return v ? std::optional(Vec3d{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
@@ -74,34 +81,44 @@ void Boundaries::readNamed(Options& options, const UnitSystem& units) {
     const double held[3] = {b.velocity.x, b.velocity.y, b.velocity.z};
     for (std::size_t d = 0; d < 3; ++d)
       if (held[d] != 0 && !b.fix[d])
-        throw InputError(format("-%s_velocity: its %c component is not zero but -%s_fix does not hold it", name.c_str(),
-                                "xyz"[d], name.c_str()));
+        throw InputError(
+            format("-%s_velocity: its %c component is not zero but -%s_fix does not hold it",
+                   name.c_str(), "xyz"[d], name.c_str()));
     if (!b.constrains() && !force && !torque)
-      throw InputError(format("-bc %s: nothing acts on it; give -%s_fix, -%s_fix_rotation, -%s_velocity, -%s_force or -%s_torque",
-                              name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str()));
+      throw InputError(format(
+          "-bc %s: nothing acts on it; give -%s_fix, -%s_fix_rotation, -%s_velocity, -%s_force or "
+          "-%s_torque",
+          name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str()));
     boundaries_.push_back(b);
   }
 }
 
 void Boundaries::readTension(Options& options, const UnitSystem& units, const Fibre& fibre) {
   OptionSection ask(options, "Tension test");
-  const bool wanted = ask.given("tension_rate") || ask.given("tension_axis") || ask.given("tension_grip");
-  OptionSection s(options, "Tension test", wanted, "there is no tension test without -tension_rate");
+  const bool wanted =
+      ask.given("tension_rate") || ask.given("tension_axis") || ask.given("tension_grip");
+  OptionSection s(options, "Tension test", wanted,
+                  "there is no tension test without -tension_rate");
   const std::string perTime = std::string("1/") + units.time;
   Tension t;
-  const std::string axis = s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
+  const std::string axis =
+      s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
   t.axis = axis[0] - 'x';
-  t.rate = s.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(), "engineering strain rate; turns the test on", positive)
+  t.rate = s.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(),
+                       "engineering strain rate; turns the test on", positive)
                .value_or(2e8 * units.secondsPerTime);
   t.ramp = s.maybeReal("tension_ramp", "0.01 strain at full rate", units.time,
                        "time of constant acceleration at the start", nonNegative)
                .value_or(0.01 / t.rate);
-  t.grip = s.maybeReal("tension_grip", "5 T", units.length, "length of each grip, from the outermost segment inwards", positive)
+  t.grip = s.maybeReal("tension_grip", "5 T", units.length,
+                       "length of each grip, from the outermost segment inwards", positive)
                .value_or(5.0 * fibre.length);
   t.maxStrain = s.real("tension_max_strain", 0.5, "", "strain at which the run ends", positive);
-  t.width = s.maybeReal("tension_width", "measured at the start", units.length, "width of the fabric, for the stress", positive)
+  t.width = s.maybeReal("tension_width", "measured at the start", units.length,
+                        "width of the fabric, for the stress", positive)
                 .value_or(0.0);
-  t.thickness = s.maybeReal("tension_thickness", "17.1 A", units.length, "thickness of the fabric, for the stress", positive)
+  t.thickness = s.maybeReal("tension_thickness", "17.1 A", units.length,
+                            "thickness of the fabric, for the stress", positive)
                     .value_or(17.1e-10 / (units.name == "si" ? 1.0 : 1e-10));
   if (!wanted) return;
   tension_ = t;
@@ -123,7 +140,8 @@ void Boundaries::attach(State& state, const RunRecord& record) {
     }
   }
   const auto oldTension = record.reals.find("tension");
-  const bool pulling = tension_ && oldTension != record.reals.end() && oldTension->second.size() == 3;
+  const bool pulling =
+      tension_ && oldTension != record.reals.end() && oldTension->second.size() == 3;
   if (pulling)
     for (int bit : {leftGripBit, rightGripBit}) moved.push_back({bit, bit});
   for (int i = 0; i < state.owned(); ++i) {
@@ -136,7 +154,8 @@ void Boundaries::attach(State& state, const RunRecord& record) {
       bool inside = true;
       for (int d = 0; d < 3; ++d) {
         const double x = state.pose[8 * i + d];
-        inside = inside && x >= (*b.region)[static_cast<std::size_t>(d)] && x <= (*b.region)[static_cast<std::size_t>(3 + d)];
+        inside = inside && x >= (*b.region)[static_cast<std::size_t>(d)] &&
+                 x <= (*b.region)[static_cast<std::size_t>(3 + d)];
       }
       if (inside) state.group[i] |= 1 << b.bit;
     }
@@ -156,7 +175,9 @@ void Boundaries::attach(State& state, const RunRecord& record) {
       grip.fix = {true, true, true};
       grip.fixRotation = true;
       const double speed = (side == 0 ? -0.5 : 0.5) * tension_->rate * tension_->gage;
-      (tension_->axis == 0 ? grip.velocity.x : tension_->axis == 1 ? grip.velocity.y : grip.velocity.z) = speed;
+      (tension_->axis == 0   ? grip.velocity.x
+       : tension_->axis == 1 ? grip.velocity.y
+                             : grip.velocity.z) = speed;
       grip.ramp = tension_->ramp;
       grip.start = tension_->start;
       boundaries_.push_back(grip);
@@ -167,7 +188,8 @@ void Boundaries::attach(State& state, const RunRecord& record) {
     for (int i = 0; i < state.owned(); ++i) members += state.group[i] >> b.bit & 1;
     MPI_Allreduce(MPI_IN_PLACE, &members, 1, MPI_INT64_T, MPI_SUM, state.comm());
     if (members == 0)
-      throw InputError(format("-bc %s: no segment lies in its %s", b.name.c_str(), b.region ? "region" : "group"));
+      throw InputError(format("-bc %s: no segment lies in its %s", b.name.c_str(),
+                              b.region ? "region" : "group"));
     mask_ |= 1 << b.bit;
   }
 }
@@ -190,12 +212,17 @@ void Boundaries::attachTension(State& state) {
   t.start = state.time;
   t.gage = upper - lower - 2.0 * t.grip;
   if (state.box.periodic[static_cast<std::size_t>(t.axis)])
-    throw InputError(format("-tension_axis %c: the box is periodic in this direction, so there are no ends to grip", "xyz"[t.axis]));
+    throw InputError(format(
+        "-tension_axis %c: the box is periodic in this direction, so there are no ends to grip",
+        "xyz"[t.axis]));
   if (!(t.gage > 0))
-    throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's length of %g", t.grip, upper - lower));
+    throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's length of %g",
+                            t.grip, upper - lower));
   if (t.width == 0) {
-    t.width = state.box.periodic[static_cast<std::size_t>(across)] ? state.box.length(across) : -extent[3] - extent[2];
-    if (!(t.width > 0)) throw InputError("-tension_width: the piece has no width of its own; give one");
+    t.width = state.box.periodic[static_cast<std::size_t>(across)] ? state.box.length(across)
+                                                                   : -extent[3] - extent[2];
+    if (!(t.width > 0))
+      throw InputError("-tension_width: the piece has no width of its own; give one");
   }
   for (int i = 0; i < state.owned(); ++i) {
     const double x = state.pose[8 * i + t.axis];
@@ -206,11 +233,13 @@ void Boundaries::attachTension(State& state) {
 
 void Boundaries::save(RunRecord& record) const {
   for (const Boundary& b : boundaries_)
-    if (b.bit < leftGripBit) record.reals["boundary_" + b.name] = {static_cast<double>(b.bit), b.start};
+    if (b.bit < leftGripBit)
+      record.reals["boundary_" + b.name] = {static_cast<double>(b.bit), b.start};
   if (tension_) record.reals["tension"] = {tension_->start, tension_->gage, tension_->width};
 }
 
-std::array<double, 2> Boundaries::gripStress(const State& state, const ForceField& forces, const UnitSystem& units) const {
+std::array<double, 2> Boundaries::gripStress(const State& state, const ForceField& forces,
+                                             const UnitSystem& units) const {
   const Tension& t = *tension_;
   const SumUnit unit(forces.fibre().bond.stretch * forces.fibre().length);
   ExactSum sums[2];

@@ -25,8 +25,8 @@ void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& ro
     std::ranges::sort(sorted);
     for (int i = 0; i < state.owned() && !sorted.empty(); ++i)
       if (std::ranges::binary_search(sorted, state.row[i]))
-        mine.push_back({state.row[i] - state.chain[2 * i], state.chain[2 * i], state.chain[2 * i + 1],
-                        state.bond[i] & fibreClosed});
+        mine.push_back({state.row[i] - state.chain[2 * i], state.chain[2 * i],
+                        state.chain[2 * i + 1], state.bond[i] & fibreClosed});
   }
   // Breaks are rare events; all ranks hear of each once.
   int bytes = static_cast<int>(mine.size() * sizeof(Break)), total = 0;
@@ -34,7 +34,8 @@ void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& ro
   MPI_Allgather(&bytes, 1, MPI_INT, sizes.data(), 1, MPI_INT, state.comm());
   for (std::size_t r = 0; r < sizes.size(); ++r) offsets[r] = total, total += sizes[r];
   std::vector<Break> all(static_cast<std::size_t>(total) / sizeof(Break));
-  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), sizes.data(), offsets.data(), MPI_BYTE, state.comm());
+  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), sizes.data(), offsets.data(), MPI_BYTE,
+                 state.comm());
   if (all.empty()) return;
   std::unordered_map<std::int64_t, std::vector<Break>> byFibre;
   for (const Break& b : all) byFibre[b.start].push_back(b);
@@ -44,7 +45,8 @@ void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& ro
     if (found == byFibre.end()) continue;
     const int index = state.chain[2 * i], length = state.chain[2 * i + 1];
     for (const Break& b : found->second) {
-      // Places from this segment on to the break's first segment, and from its second one back here.
+      // Places from this segment on to the break's first segment, and from its second one back
+      // here.
       int on = b.index - index, back = index - (b.index + 1);
       if (b.closed) {
         on = (on % length + length) % length;
@@ -53,9 +55,11 @@ void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& ro
       if (back == 0) state.bond[i] |= previousBroken;
       if (!state.gap) continue;
       for (int places = 1; places <= farthest; ++places) {
-        const bool aheadExists = b.closed || index + places < length, behindExists = b.closed || index >= places;
+        const bool aheadExists = b.closed || index + places < length,
+                   behindExists = b.closed || index >= places;
         if (on >= 0 && places > on && aheadExists) state.gap[4 * i] |= std::int64_t{1} << places;
-        if (back >= 0 && places > back && behindExists) state.gap[4 * i + 1] |= std::int64_t{1} << places;
+        if (back >= 0 && places > back && behindExists)
+          state.gap[4 * i + 1] |= std::int64_t{1} << places;
       }
     }
   }
@@ -74,11 +78,13 @@ bool releasePairs(State& state, const ForceField& forces, const Domain& domain) 
   bool any = false;
   for (int i = 0; i < state.owned(); ++i)
     for (int direction = 0; direction < 2; ++direction) {
-      auto waiting = static_cast<std::uint64_t>(state.gap[4 * i + direction] & ~state.gap[4 * i + 2 + direction]);
+      auto waiting = static_cast<std::uint64_t>(state.gap[4 * i + direction] &
+                                                ~state.gap[4 * i + 2 + direction]);
       const int index = state.chain[2 * i], length = state.chain[2 * i + 1];
       for (; waiting; waiting &= waiting - 1) {
         const int places = std::countr_zero(waiting);
-        const int other = ((index + (direction == 0 ? places : -places)) % length + length) % length;
+        const int other =
+            ((index + (direction == 0 ? places : -places)) % length + length) % length;
         const int j = domain.localIndex(state.row[i] - index + other);
         // A segment that is not even in the halo is beyond the list's range.
         if (j >= 0) {

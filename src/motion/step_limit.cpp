@@ -15,7 +15,8 @@ namespace {
 double largestEigenvalue(const std::vector<double>& diagonal, const std::vector<double>& off) {
   double low = diagonal[0], high = diagonal[0];
   for (std::size_t i = 0; i < diagonal.size(); ++i) {
-    const double r = (i > 0 ? std::abs(off[i - 1]) : 0.0) + (i < off.size() ? std::abs(off[i]) : 0.0);
+    const double r =
+        (i > 0 ? std::abs(off[i - 1]) : 0.0) + (i < off.size() ? std::abs(off[i]) : 0.0);
     low = std::max(low, diagonal[i]);
     high = std::max(high, diagonal[i] + r);
   }
@@ -44,7 +45,8 @@ double globalDot(const std::vector<double>& a, const std::vector<double>& b, MPI
 
 double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   const auto n = static_cast<std::size_t>(state.owned());
-  const double perRootMass = 1.0 / std::sqrt(forces.fibre().mass), perRootInertia = 1.0 / std::sqrt(forces.fibre().inertia);
+  const double perRootMass = 1.0 / std::sqrt(forces.fibre().mass),
+               perRootInertia = 1.0 / std::sqrt(forces.fibre().inertia);
   const std::vector<double> pose(state.pose, state.pose + 8 * n);
   ForceRequest request;
   request.mayBreak = request.viscous = false;
@@ -53,9 +55,11 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   auto forcesAt = [&](const std::vector<double>& q, double step, std::vector<double>& out) {
     for (std::size_t i = 0; i < n; ++i) {
       const double a = step * perRootMass, b = step * perRootInertia;
-      for (std::size_t c = 0; c < 3; ++c) state.pose[8 * i + c] = pose[8 * i + c] + a * q[6 * i + c];
+      for (std::size_t c = 0; c < 3; ++c)
+        state.pose[8 * i + c] = pose[8 * i + c] + a * q[6 * i + c];
       const Quatd old{pose[8 * i + 4], pose[8 * i + 5], pose[8 * i + 6], pose[8 * i + 7]};
-      state.setOrientation(static_cast<int>(i), rotation({b * q[6 * i + 3], b * q[6 * i + 4], b * q[6 * i + 5]}) * old);
+      state.setOrientation(static_cast<int>(i),
+                           rotation({b * q[6 * i + 3], b * q[6 * i + 4], b * q[6 * i + 5]}) * old);
     }
     forces.evaluate(state, halo, request);
     out.resize(6 * n);
@@ -81,7 +85,8 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     double largest = 0;
     for (std::size_t j = 0; j < q.size(); ++j) {
       const bool turns = j % 6 >= 3;
-      largest = std::max(largest, std::abs(q[j]) * (turns ? perRootInertia : perRootMass / forces.fibre().length));
+      largest = std::max(
+          largest, std::abs(q[j]) * (turns ? perRootInertia : perRootMass / forces.fibre().length));
     }
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, state.comm());
     const double step = 1e-6 / largest;  // displacements of 1e-6 segments, turns of 1e-6 radians

@@ -22,7 +22,9 @@ std::vector<Action> actionsAt(const Boundaries& boundaries, double forceTime, do
   std::vector<Action> actions;
   for (const Boundary& b : boundaries.list()) {
     const double v = b.factor(endTime), f = b.factor(forceTime);
-    actions.push_back({1 << b.bit, b.fix, b.fixRotation,
+    actions.push_back({1 << b.bit,
+                       b.fix,
+                       b.fixRotation,
                        {v * b.velocity.x, v * b.velocity.y, v * b.velocity.z},
                        {f * b.force.x, f * b.force.y, f * b.force.z},
                        {f * b.torque.x, f * b.torque.y, f * b.torque.z}});
@@ -30,7 +32,9 @@ std::vector<Action> actionsAt(const Boundaries& boundaries, double forceTime, do
   return actions;
 }
 
-double sign(double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; }
+double sign(double x) {
+  return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0;
+}
 
 /// Half kicks of a run of segments.
 class Kicker {
@@ -99,8 +103,10 @@ class Kicker {
       }
       const double fv = s_.viscous ? s_.viscous[6 * i + c] : 0.0;
       const double tv = s_.viscous ? s_.viscous[6 * i + 3 + c] : 0.0;
-      component(s_.velocity[3 * i + c], s_.force[3 * i + c], fv, load, fixed, held, perMass_, mass_, damped, external);
-      component(s_.angular[3 * i + c], s_.torque[3 * i + c], tv, couple, still, 0.0, perInertia_, inertia_, damped, external);
+      component(s_.velocity[3 * i + c], s_.force[3 * i + c], fv, load, fixed, held, perMass_, mass_,
+                damped, external);
+      component(s_.angular[3 * i + c], s_.torque[3 * i + c], tv, couple, still, 0.0, perInertia_,
+                inertia_, damped, external);
     }
     damped_.add(damped * h_, unit_);
     external_.add(external * h_, unit_);
@@ -132,8 +138,8 @@ class Kicker {
 
 }  // namespace
 
-DriftReport Verlet::kickAndDrift(State& state, const ForceField& forces, const Boundaries& boundaries,
-                                 EnergyAccounts& accounts) const {
+DriftReport Verlet::kickAndDrift(State& state, const ForceField& forces,
+                                 const Boundaries& boundaries, EnergyAccounts& accounts) const {
   const double h = 0.5 * dt_;
   const auto actions = actionsAt(boundaries, state.time, state.time + h);
   // Half a segment in a step is far beyond any stable motion.
@@ -142,7 +148,7 @@ DriftReport Verlet::kickAndDrift(State& state, const ForceField& forces, const B
   const bool tracks = forces.tracksMotion();
   const auto& shares = forces.shares();
   std::vector<DriftReport> reports(shares.size());
-#pragma omp parallel num_threads(static_cast<int>(shares.size()))
+#pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     Kicker kick(state, forces, boundaries, actions, damping_, h);
@@ -154,11 +160,13 @@ DriftReport Verlet::kickAndDrift(State& state, const ForceField& forces, const B
       const double* w = state.angular + 3 * i;
       for (int c = 0; c < 3; ++c) x[c] += dt_ * v[c];
       state.box.wrap(x, state.image + 3 * i);
-      state.setOrientation(i, renormalised(rotation({dt_ * w[0], dt_ * w[1], dt_ * w[2]}) * state.orientation(i)));
+      state.setOrientation(
+          i, renormalised(rotation({dt_ * w[0], dt_ * w[1], dt_ * w[2]}) * state.orientation(i)));
       if (tracks && forces.moved(x, i)) report.stale = true;
       const double turn2 = dt_ * dt_ * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
       // Written so that a NaN counts as unstable.
-      if (!(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < fastest2 && turn2 < 1.0)) report.unstable = true;
+      if (!(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < fastest2 && turn2 < 1.0))
+        report.unstable = true;
     }
     reports[t] = report;
 #pragma omp critical
@@ -174,10 +182,11 @@ DriftReport Verlet::kickAndDrift(State& state, const ForceField& forces, const B
   return all;
 }
 
-void Verlet::kick(State& state, const ForceField& forces, const Boundaries& boundaries, EnergyAccounts& accounts) const {
+void Verlet::kick(State& state, const ForceField& forces, const Boundaries& boundaries,
+                  EnergyAccounts& accounts) const {
   const auto actions = actionsAt(boundaries, state.time, state.time);
   const auto& shares = forces.shares();
-#pragma omp parallel num_threads(static_cast<int>(shares.size()))
+#pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     Kicker kick(state, forces, boundaries, actions, damping_, 0.5 * dt_);

@@ -5,8 +5,9 @@ namespace nanoweft {
 Energies sumEnergies(const State& state, const ForceField& forces, const ForceOutcome& outcome,
                      const EnergyAccounts& accounts) {
   const SumUnit& unit = forces.energyUnit();
-  ExactSum sums[10] = {outcome.stretch, outcome.shear, outcome.bending,  outcome.torsion,   outcome.pair,
-                       {},              {},            accounts.damped, accounts.external, accounts.broken};
+  ExactSum sums[10] = {
+      outcome.stretch, outcome.shear,     outcome.bending, outcome.torsion, outcome.pair, {}, {},
+      accounts.damped, accounts.external, accounts.broken};
   const double halfMass = 0.5 * forces.fibre().mass, halfInertia = 0.5 * forces.fibre().inertia;
   std::int64_t brokenBonds = 0;
   for (int i = 0; i < state.owned(); ++i) {

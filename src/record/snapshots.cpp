@@ -13,7 +13,8 @@ namespace nanoweft {
 
 namespace fs = std::filesystem;
 
-Snapshots::Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep) : name_(std::move(name)) {
+Snapshots::Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep)
+    : name_(std::move(name)) {
   makeParentFolder(comm, name_);
   int rank;
   MPI_Comm_rank(comm, &rank);
@@ -39,17 +40,20 @@ void Snapshots::addEntry(const std::string& file) {
   h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
   const auto time = h5::readReals(group, "time");
   hsize_t points[2], lines[2];
-  h5::Handle p(H5Dopen2(f, "mesh/points", H5P_DEFAULT), H5Dclose), l(H5Dopen2(f, "mesh/lines", H5P_DEFAULT), H5Dclose);
+  h5::Handle p(H5Dopen2(f, "mesh/points", H5P_DEFAULT), H5Dclose),
+      l(H5Dopen2(f, "mesh/lines", H5P_DEFAULT), H5Dclose);
   h5::Handle ps(H5Dget_space(p), H5Sclose), ls(H5Dget_space(l), H5Sclose);
   H5Sget_simple_extent_dims(ps, points, nullptr);
   H5Sget_simple_extent_dims(ls, lines, nullptr);
   const std::string name = fs::path(file).filename().string();
   std::erase_if(entries_, [&](const Entry& e) { return e.file == name; });
-  entries_.push_back({name, time ? (*time)[0] : 0.0, static_cast<std::int64_t>(points[0]), static_cast<std::int64_t>(lines[0])});
+  entries_.push_back({name, time ? (*time)[0] : 0.0, static_cast<std::int64_t>(points[0]),
+                      static_cast<std::int64_t>(lines[0])});
 }
 
 void Snapshots::write(State& state, const UnitSystem& units) {
-  const std::string file = format("%s_%010lld.h5", name_.c_str(), static_cast<long long>(state.step));
+  const std::string file =
+      format("%s_%010lld.h5", name_.c_str(), static_cast<long long>(state.step));
   StateWriteOptions what;
   what.mesh = true;
   writeState(file, state, units, {}, what);
@@ -71,16 +75,22 @@ void Snapshots::writeIndex() const {
     std::ofstream out(temporary);
     out << "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
            "<Grid Name=\"fibres\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-    auto item = [&](const Entry& e, const char* dataset, std::int64_t rows, int columns, const char* type, int bytes) {
-      return format("<DataItem Format=\"HDF\" NumberType=\"%s\" Precision=\"%d\" Dimensions=\"%lld%s\">%s:%s</DataItem>",
-                    type, bytes, static_cast<long long>(rows), columns > 1 ? format(" %d", columns).c_str() : "",
-                    e.file.c_str(), dataset);
+    auto item = [&](const Entry& e, const char* dataset, std::int64_t rows, int columns,
+                    const char* type, int bytes) {
+      return format(
+          "<DataItem Format=\"HDF\" NumberType=\"%s\" Precision=\"%d\" "
+          "Dimensions=\"%lld%s\">%s:%s</DataItem>",
+          type, bytes, static_cast<long long>(rows),
+          columns > 1 ? format(" %d", columns).c_str() : "", e.file.c_str(), dataset);
     };
     for (const Entry& e : entries_) {
       out << format("<Grid Name=\"%s\">\n<Time Value=\"%.17g\"/>\n", e.file.c_str(), e.time)
-          << format("<Topology TopologyType=\"Polyline\" NodesPerElement=\"2\" NumberOfElements=\"%lld\">",
-                    static_cast<long long>(e.lines))
-          << item(e, "/mesh/lines", e.lines, 2, "Int", 4) << "</Topology>\n<Geometry GeometryType=\"XYZ\">"
+          << format(
+                 "<Topology TopologyType=\"Polyline\" NodesPerElement=\"2\" "
+                 "NumberOfElements=\"%lld\">",
+                 static_cast<long long>(e.lines))
+          << item(e, "/mesh/lines", e.lines, 2, "Int", 4)
+          << "</Topology>\n<Geometry GeometryType=\"XYZ\">"
           << item(e, "/mesh/points", e.points, 3, "Float", 4) << "</Geometry>\n";
       struct Field {
         const char *name, *kind;
@@ -93,8 +103,11 @@ void Snapshots::writeIndex() const {
                                   {"group", "Scalar", 1, "Int", 4},
                                   {"bond_broken", "Scalar", 1, "Char", 1}};
       for (const Field& f : fields)
-        out << format("<Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">", f.name, f.kind)
-            << item(e, (std::string("/state/") + f.name).c_str(), e.points, f.columns, f.type, f.bytes) << "</Attribute>\n";
+        out << format("<Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">", f.name,
+                      f.kind)
+            << item(e, (std::string("/state/") + f.name).c_str(), e.points, f.columns, f.type,
+                    f.bytes)
+            << "</Attribute>\n";
       out << "</Grid>\n";
     }
     out << "</Grid>\n</Domain>\n</Xdmf>\n";

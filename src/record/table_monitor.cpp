@@ -10,8 +10,12 @@
 namespace nanoweft {
 
 TableMonitor::TableMonitor(Options& options, std::string option, const char* help,
-                           std::vector<std::string> columns, std::size_t abscissa, std::vector<std::size_t> curves)
-    : option_(std::move(option)), columns_(std::move(columns)), abscissa_(abscissa), curves_(std::move(curves)) {
+                           std::vector<std::string> columns, std::size_t abscissa,
+                           std::vector<std::size_t> curves)
+    : option_(std::move(option)),
+      columns_(std::move(columns)),
+      abscissa_(abscissa),
+      curves_(std::move(curves)) {
   OptionSection s(options, "Output");
   s.document(option_, "none", "", help);
   wanted_ = s.given(option_);
@@ -25,7 +29,8 @@ TableMonitor::~TableMonitor() {
 std::string TableMonitor::fileName() const {
   char text[PETSC_MAX_PATH_LEN] = "";
   PetscBool found;
-  petsc(PetscOptionsGetString(nullptr, nullptr, ("-" + option_).c_str(), text, sizeof text, &found));
+  petsc(
+      PetscOptionsGetString(nullptr, nullptr, ("-" + option_).c_str(), text, sizeof text, &found));
   std::istringstream parts(text);
   std::string type, file;
   std::getline(parts, type, ':');
@@ -39,7 +44,7 @@ std::string TableMonitor::header() const {
   return line + "\n";
 }
 
-void TableMonitor::open(MPI_Comm comm, std::int64_t restartStep) {
+void TableMonitor::open(MPI_Comm comm, std::int64_t restartStep, std::int64_t interval) {
   if (!wanted_) return;
   comm_ = comm;
   int rank;
@@ -54,23 +59,30 @@ void TableMonitor::open(MPI_Comm comm, std::int64_t restartStep) {
         std::string line;
         std::getline(old, line);
         if (line + "\n" == header())
-          while (std::getline(old, line))
-            if (!line.empty() && std::atoll(line.c_str()) <= restartStep) kept += line + "\n";
+          while (std::getline(old, line)) {
+            const std::int64_t step = std::atoll(line.c_str());
+            // The closing row of the earlier piece is none of the whole run's.
+            const bool closing = step == restartStep && step % interval != 0;
+            if (!line.empty() && step <= restartStep && !closing) kept += line + "\n";
+          }
       }
-      if (!std::ofstream(file, std::ios::app)) problem = format("-%s: cannot write %s", option_.c_str(), file.c_str());
+      if (!std::ofstream(file, std::ios::app))
+        problem = format("-%s: cannot write %s", option_.c_str(), file.c_str());
     }
     agree<InputError>(comm, problem);
   }
   PetscBool found;
   try {
-    petsc(PetscOptionsGetViewer(comm, nullptr, nullptr, ("-" + option_).c_str(), &viewer_, &format_, &found));
+    petsc(PetscOptionsGetViewer(comm, nullptr, nullptr, ("-" + option_).c_str(), &viewer_, &format_,
+                                &found));
   } catch (const PetscFailure& failure) {
     throw InputError(format("-%s: %s", option_.c_str(), failure.what()));
   }
   PetscBool ascii, draw;
   petsc(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer_), PETSCVIEWERASCII, &ascii));
   petsc(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer_), PETSCVIEWERDRAW, &draw));
-  if (!ascii && !draw) throw InputError(format("-%s: the viewer must be ascii or draw", option_.c_str()));
+  if (!ascii && !draw)
+    throw InputError(format("-%s: the viewer must be ascii or draw", option_.c_str()));
   if (ascii) {
     petsc(PetscViewerASCIIPrintf(viewer_, "%s", kept.c_str()));
     petsc(PetscViewerFlush(viewer_));

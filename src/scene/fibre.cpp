@@ -71,18 +71,24 @@ class FibreScene final : public Scene {
 
 }  // namespace
 
-std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed) {
+std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, bool active,
+                                      bool optionsAllowed) {
   OptionSection s(options, "Scene: fibre", optionsAllowed, "-scene is not fibre");
   FibreParameters p;
-  p.segments = static_cast<int>(s.integer("fibre_segments", 100, "number of segments", 1, 100000000));
-  if (auto v = s.reals("fibre_start", 3, "0,0,0", context.units.length, "centre of the first segment"))
+  p.segments =
+      static_cast<int>(s.integer("fibre_segments", 100, "number of segments", 1, 100000000));
+  if (auto v =
+          s.reals("fibre_start", 3, "0,0,0", context.units.length, "centre of the first segment"))
     p.start = {(*v)[0], (*v)[1], (*v)[2]};
   if (auto v = s.reals("fibre_direction", 3, "1,0,0", "", "direction of the first segment"))
     p.direction = {(*v)[0], (*v)[1], (*v)[2]};
-  p.bend = s.real("fibre_bend", 0.0, "rad", "angle between the first and the last segment, along a circular arc");
+  p.bend = s.real("fibre_bend", 0.0, "rad",
+                  "angle between the first and the last segment, along a circular arc");
   p.twist = s.real("fibre_twist", 0.0, "rad", "twist between the first and the last segment");
   p.strain = s.real("fibre_strain", 0.0, "", "initial strain of the bonds", {-0.9});
-  p.closed = s.flag("fibre_closed", false, "join the last segment to the first (a ring with -fibre_bend 6.283185307179586, or through a periodic boundary)");
+  p.closed = s.flag("fibre_closed", false,
+                    "join the last segment to the first (a ring with -fibre_bend "
+                    "6.283185307179586, or through a periodic boundary)");
   if (!active) return nullptr;
   if (norm(p.direction) == 0) throw InputError("-fibre_direction: must not be zero");
   if (p.closed && p.segments < 3) throw InputError("-fibre_closed: needs three segments at least");

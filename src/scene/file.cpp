@@ -8,7 +8,8 @@ namespace {
 
 class FileScene final : public Scene {
  public:
-  FileScene(MPI_Comm comm, std::string file) : file_(std::move(file)), header_(readStateHeader(comm, file_)) {}
+  FileScene(MPI_Comm comm, std::string file)
+      : file_(std::move(file)), header_(readStateHeader(comm, file_)) {}
 
   Box box() const override { return header_.box; }
   const StateHeader* header() const override { return &header_; }
@@ -26,7 +27,8 @@ class FileScene final : public Scene {
 
 }  // namespace
 
-std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed) {
+std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active,
+                                     bool optionsAllowed) {
   OptionSection s(options, "Scene", optionsAllowed, "-scene is not file");
   const std::string file = s.text("scene_file", "", "state file to start from (-scene file)");
   if (!active) return nullptr;

@@ -3,8 +3,8 @@
 ///
 /// Each fibre follows z = +-A cos(pi (s/p - 1/2)) with the pitch p between crossings, so that at a
 /// crossing the two are 2A apart: -weave_gap, by default the distance where two (10,10) tubes rest,
-/// 2.558049 rf. Segments are set along the curve one bond length (chord) after another, so bonds start
-/// unstretched and fibres cover less ground than their length.
+/// 2.558049 rf. Segments are set along the curve one bond length (chord) after another, so bonds
+/// start unstretched and fibres cover less ground than their length.
 #include <cmath>
 #include <numbers>
 
@@ -58,7 +58,8 @@ double bisect(double low, double high, const F& f) {
   return 0.5 * (low + high);
 }
 
-/// The places of the segments of one family's fibres, measured from the first crossing less half a pitch.
+/// The places of the segments of one family's fibres, measured from the first crossing less half a
+/// pitch.
 struct Family {
   double pitch = 0;  ///< between the crossings along these fibres
   int crossings = 0;
@@ -108,7 +109,8 @@ class WeaveScene final : public Scene {
   Family family(int crossings, const char* direction) const {
     Family f;
     f.crossings = crossings;
-    const double shortest = 0.2 * length_ * p_.segments / crossings, longest = length_ * p_.segments / crossings;
+    const double shortest = 0.2 * length_ * p_.segments / crossings,
+                 longest = length_ * p_.segments / crossings;
     auto covers = [&](double pitch) {
       const Wave wave(amplitude_, pitch);
       return crossings * pitch - wave.walk(0.0, length_, p_.segments + 1).back();
@@ -120,10 +122,14 @@ class WeaveScene final : public Scene {
     if (p_.periodic) {
       double chord = length_;
       if (p_.pitch > 0) {
-        chord = bisect(0.5 * length_, 2.0 * length_, [&](double c) { return wave.walk(0.0, c, p_.segments + 1).back() - span; });
+        chord = bisect(0.5 * length_, 2.0 * length_,
+                       [&](double c) { return wave.walk(0.0, c, p_.segments + 1).back() - span; });
         if (const double strain = chord / length_ - 1.0; std::abs(strain) > 0.01)
-          throw InputError(format("-weave_pitch %g: in a periodic weave this strains the bonds along %s by %.1f %%; %g %s "
-                                  "leaves them unstretched", p_.pitch, direction, 100 * strain, natural, unit_));
+          throw InputError(
+              format("-weave_pitch %g: in a periodic weave this strains the bonds along %s by %.1f "
+                     "%%; %g %s "
+                     "leaves them unstretched",
+                     p_.pitch, direction, 100 * strain, natural, unit_));
       }
       f.places = wave.walk(0.0, chord, p_.segments);
       return f;
@@ -136,8 +142,9 @@ class WeaveScene final : public Scene {
     });
     f.places = wave.walk(first, length_, p_.segments);
     if (f.places.back() - f.places.front() < (crossings - 1) * f.pitch)
-      throw InputError(format("-weave_pitch %g: fibres of %d segments do not reach across %d crossings; at most %g %s",
-                              p_.pitch, p_.segments, crossings, natural, unit_));
+      throw InputError(format(
+          "-weave_pitch %g: fibres of %d segments do not reach across %d crossings; at most %g %s",
+          p_.pitch, p_.segments, crossings, natural, unit_));
     return f;
   }
 
@@ -151,7 +158,8 @@ class WeaveScene final : public Scene {
     const int n = p_.segments;
     auto point = [&](int k) {
       if (p_.periodic && (k < 0 || k >= n)) {
-        const double s = f.places[static_cast<std::size_t>((k + n) % n)] + (k < 0 ? -1 : 1) * f.crossings * f.pitch;
+        const double s = f.places[static_cast<std::size_t>((k + n) % n)] +
+                         (k < 0 ? -1 : 1) * f.crossings * f.pitch;
         return Vec3d{s, 0.0, wave.height(s)};
       }
       const double s = f.places[static_cast<std::size_t>(k)];
@@ -162,10 +170,13 @@ class WeaveScene final : public Scene {
     std::vector<Vec3d> tangent(static_cast<std::size_t>(n));
     auto unit = [](const Vec3d& v) { return (1.0 / norm(v)) * v; };
     const int firstInner = p_.periodic ? 0 : 1, lastInner = p_.periodic ? n - 1 : n - 2;
-    for (int k = firstInner; k <= lastInner; ++k) tangent[static_cast<std::size_t>(k)] = unit(point(k + 1) - point(k - 1));
+    for (int k = firstInner; k <= lastInner; ++k)
+      tangent[static_cast<std::size_t>(k)] = unit(point(k + 1) - point(k - 1));
     if (!p_.periodic) {
       // End segments lean against their chord as their neighbours do: bending without shear.
-      auto mirrored = [&](const Vec3d& e, const Vec3d& chord) { return unit(2.0 * dot(e, chord) * chord - e); };
+      auto mirrored = [&](const Vec3d& e, const Vec3d& chord) {
+        return unit(2.0 * dot(e, chord) * chord - e);
+      };
       const auto last = static_cast<std::size_t>(n - 1);
       tangent[0] = mirrored(tangent[1], unit(point(1) - point(0)));
       tangent[last] = mirrored(tangent[last - 1], unit(point(n - 1) - point(n - 2)));
@@ -193,18 +204,21 @@ class WeaveScene final : public Scene {
 
 }  // namespace
 
-std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed) {
+std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, bool active,
+                                      bool optionsAllowed) {
   OptionSection s(options, "Scene: weave", optionsAllowed, "-scene is not weave");
   WeaveParameters p;
   if (auto v = s.reals("weave_fibres", 2, "20,20", "", "numbers of fibres along x and along y")) {
     for (double n : *v)
-      if (n != std::floor(n) || n < 1 || n > 1e6) throw InputError("-weave_fibres: needs two whole numbers from 1 to 1000000");
+      if (n != std::floor(n) || n < 1 || n > 1e6)
+        throw InputError("-weave_fibres: needs two whole numbers from 1 to 1000000");
     p.alongX = static_cast<int>((*v)[0]);
     p.alongY = static_cast<int>((*v)[1]);
   }
-  p.segments = static_cast<int>(s.integer("weave_segments", 100, "segments of each fibre", 3, 100000000));
-  p.pitch = s.maybeReal("weave_pitch", "so that the fibres just cover the piece", context.units.length,
-                        "distance between neighbouring fibres", positive)
+  p.segments =
+      static_cast<int>(s.integer("weave_segments", 100, "segments of each fibre", 3, 100000000));
+  p.pitch = s.maybeReal("weave_pitch", "so that the fibres just cover the piece",
+                        context.units.length, "distance between neighbouring fibres", positive)
                 .value_or(0.0);
   p.gap = s.maybeReal("weave_gap", "2.558049 rf", context.units.length,
                       "distance between the two fibres at a crossing", positive)
@@ -214,7 +228,8 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
   if (p.periodic && (p.alongX % 2 || p.alongY % 2))
     throw InputError("-weave_fibres: a periodic plain weave needs even numbers");
   const double total = static_cast<double>(p.alongX + p.alongY) * p.segments;
-  if (total > 2147483647.0) throw InputError("-weave_fibres, -weave_segments: more than 2^31 - 1 segments");
+  if (total > 2147483647.0)
+    throw InputError("-weave_fibres, -weave_segments: more than 2^31 - 1 segments");
   return std::make_unique<WeaveScene>(p, context);
 }
 

@@ -19,11 +19,16 @@ struct Field {
 
 // DMSwarm_pid is the id that every DMSwarm carries; it holds the row.
 constexpr Field fields[] = {
-    {"pose", PETSC_DOUBLE, 8, 64},    {"velocity", PETSC_DOUBLE, 3, 24},
-    {"angular_velocity", PETSC_DOUBLE, 3, 24}, {"force", PETSC_DOUBLE, 3, 24},
-    {"torque", PETSC_DOUBLE, 3, 24},  {"fibre", PETSC_INT64, 1, 8},
-    {"chain", PETSC_INT, 2, 8},       {"bond", PETSC_INT, 1, 4},
-    {"group", PETSC_INT, 1, 4},       {"image", PETSC_INT, 3, 12},
+    {"pose", PETSC_DOUBLE, 8, 64},
+    {"velocity", PETSC_DOUBLE, 3, 24},
+    {"angular_velocity", PETSC_DOUBLE, 3, 24},
+    {"force", PETSC_DOUBLE, 3, 24},
+    {"torque", PETSC_DOUBLE, 3, 24},
+    {"fibre", PETSC_INT64, 1, 8},
+    {"chain", PETSC_INT, 2, 8},
+    {"bond", PETSC_INT, 1, 4},
+    {"group", PETSC_INT, 1, 4},
+    {"image", PETSC_INT, 3, 12},
 };
 constexpr Field gapField{"gap", PETSC_INT64, 4, 32};
 constexpr Field viscousField{"viscous", PETSC_DOUBLE, 6, 48};
@@ -56,7 +61,8 @@ State::State(MPI_Comm comm, const Box& b, Extras extras) : box(b), comm_(comm), 
   petsc(DMSwarmInitializeFieldRegister(swarm_));
   for (const Field& f : fields)
     petsc(DMSwarmRegisterPetscDatatypeField(swarm_, f.name, f.count, f.type));
-  for (const auto& [wanted, f] : {std::pair{extras_.gap, gapField}, std::pair{extras_.viscous, viscousField}})
+  for (const auto& [wanted, f] :
+       {std::pair{extras_.gap, gapField}, std::pair{extras_.viscous, viscousField}})
     if (wanted) petsc(DMSwarmRegisterPetscDatatypeField(swarm_, f.name, f.count, f.type));
   petsc(DMSwarmFinalizeFieldRegister(swarm_));
   petsc(DMSwarmSetLocalSizes(swarm_, 0, 64));
@@ -188,7 +194,8 @@ void State::permute(const std::vector<int>& order) {
     copy.resize(order.size() * bytes);
     const char* from = static_cast<const char*>(data);
     for (std::size_t k = 0; k < order.size(); ++k)
-      std::memcpy(copy.data() + k * bytes, from + static_cast<std::size_t>(order[k]) * bytes, bytes);
+      std::memcpy(copy.data() + k * bytes, from + static_cast<std::size_t>(order[k]) * bytes,
+                  bytes);
     std::memcpy(data, copy.data(), copy.size());
   };
   apply(pose, 64);

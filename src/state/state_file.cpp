@@ -65,7 +65,8 @@ std::string diagnose(const std::string& file) {
       return what + "the attribute " + corner + " must be three numbers";
   }
   const auto periodic = h5::readIntegers(group, "periodic");
-  if (!periodic || periodic->size() != 3) return what + "the attribute periodic must be three integers";
+  if (!periodic || periodic->size() != 3)
+    return what + "the attribute periodic must be three integers";
 
   hsize_t rows = 0;
   struct Expected {
@@ -74,10 +75,17 @@ std::string diagnose(const std::string& file) {
     bool required;
   };
   constexpr Expected datasets[] = {
-      {"position", 3, true},  {"orientation", 4, true},       {"fibre", 1, true},
-      {"index", 1, true},     {"image", 3, false},            {"velocity", 3, false},
-      {"angular_velocity", 3, false}, {"group", 1, false},    {"bond_broken", 1, false},
-      {"gap", 4, false},      {"viscous", 6, false},
+      {"position", 3, true},
+      {"orientation", 4, true},
+      {"fibre", 1, true},
+      {"index", 1, true},
+      {"image", 3, false},
+      {"velocity", 3, false},
+      {"angular_velocity", 3, false},
+      {"group", 1, false},
+      {"bond_broken", 1, false},
+      {"gap", 4, false},
+      {"viscous", 6, false},
   };
   for (const Expected& e : datasets) {
     if (H5Lexists(group, e.name, H5P_DEFAULT) <= 0) {
@@ -90,8 +98,9 @@ std::string diagnose(const std::string& file) {
     hsize_t shape[8] = {0, 1};
     const int dimensions = H5Sget_simple_extent_ndims(space);
     if (dimensions >= 1 && dimensions <= 8) H5Sget_simple_extent_dims(space, shape, nullptr);
-    const bool right = e.columns == 1 ? dimensions == 1
-                                      : dimensions == 2 && shape[1] == static_cast<hsize_t>(e.columns);
+    const bool right = e.columns == 1
+                           ? dimensions == 1
+                           : dimensions == 2 && shape[1] == static_cast<hsize_t>(e.columns);
     if (rows == 0) rows = shape[0];
     if (!right || shape[0] != rows || rows == 0)
       return what + format("/state/%s must have the shape [N%s] with the same N > 0 as position",
@@ -101,10 +110,11 @@ std::string diagnose(const std::string& file) {
   return "";
 }
 
-/// Reads this rank's rows of a dataset; leaves `values` empty when it is missing. Returns a problem.
+/// Reads this rank's rows of a dataset; leaves `values` empty when it is missing. Returns a
+/// problem.
 template <class T>
-std::string readRows(hid_t group, const char* name, hid_t memoryType, const Block& block, int columns,
-                     std::vector<T>& values) {
+std::string readRows(hid_t group, const char* name, hid_t memoryType, const Block& block,
+                     int columns, std::vector<T>& values) {
   if (H5Lexists(group, name, H5P_DEFAULT) <= 0) return "";
   h5::Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
   h5::Handle space(H5Dget_space(set), H5Sclose);
@@ -146,7 +156,8 @@ Chains findChains(MPI_Comm comm, int rank, int ranks, std::int64_t total, const 
   MPI_Allgather(mine, 2, MPI_INT64_T, all.data(), 2, MPI_INT64_T, comm);
   std::int64_t before = 0, after = total;
   for (int r = 0; r < rank; ++r)
-    if (all[2 * static_cast<std::size_t>(r) + 1] >= 0) before = all[2 * static_cast<std::size_t>(r) + 1];
+    if (all[2 * static_cast<std::size_t>(r) + 1] >= 0)
+      before = all[2 * static_cast<std::size_t>(r) + 1];
   for (int r = ranks - 1; r > rank; --r)
     if (all[2 * static_cast<std::size_t>(r)] >= 0) after = all[2 * static_cast<std::size_t>(r)];
   Chains chains;
@@ -197,7 +208,8 @@ StateHeader readStateHeader(MPI_Comm comm, const std::string& file) {
   std::vector<std::int8_t> broken;
   const std::string problem =
       readRows(group, "bond_broken", H5T_NATIVE_INT8, Block(header.rows, rank, ranks), 1, broken);
-  agree<InputError>(comm, problem.empty() ? "" : "state file " + file + " cannot be used: " + problem);
+  agree<InputError>(comm,
+                    problem.empty() ? "" : "state file " + file + " cannot be used: " + problem);
   int any = std::ranges::any_of(broken, [](std::int8_t b) { return b != 0; });
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm);
   header.anyBroken = any != 0;
@@ -249,7 +261,8 @@ void readStateRows(const std::string& file, const StateHeader& header, State& st
       h5::Handle space(H5Dget_space(set), H5Sclose);
       const hssize_t count = H5Sget_simple_extent_npoints(space);
       closed.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
-      if (count > 0 && H5Dread(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, closed.data()) < 0)
+      if (count > 0 &&
+          H5Dread(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, closed.data()) < 0)
         problem = "/state/fibre_closed cannot be read";
       std::ranges::sort(closed);
     }
@@ -259,7 +272,8 @@ void readStateRows(const std::string& file, const StateHeader& header, State& st
 
   const auto n = static_cast<std::size_t>(block.count);
   auto rowName = [&](std::size_t k) {
-    return format("row %lld (fibre %lld, index %lld)", static_cast<long long>(block.begin + static_cast<std::int64_t>(k)),
+    return format("row %lld (fibre %lld, index %lld)",
+                  static_cast<long long>(block.begin + static_cast<std::int64_t>(k)),
                   static_cast<long long>(fibre[k]), static_cast<long long>(index[k]));
   };
   // The last (fibre, index) of the rank before, to check the order across blocks.
@@ -272,15 +286,18 @@ void readStateRows(const std::string& file, const StateHeader& header, State& st
       previous[0] = lasts[k], previous[1] = lasts[k + 1];
   std::size_t at;
   for (std::size_t k = 0; k < n && problem.empty(); ++k) {
-    const bool continues = previous[1] >= 0 && fibre[k] == previous[0] && index[k] == previous[1] + 1;
+    const bool continues =
+        previous[1] >= 0 && fibre[k] == previous[0] && index[k] == previous[1] + 1;
     const bool starts = index[k] == 0 && (previous[1] < 0 || fibre[k] > previous[0]);
     if (!continues && !starts)
-      problem = rowName(k) + ": rows must be ordered by fibre, and index must count 0, 1, 2, ... along each";
+      problem = rowName(k) +
+                ": rows must be ordered by fibre, and index must count 0, 1, 2, ... along each";
     previous[0] = fibre[k], previous[1] = index[k];
     const double* q = &orientation[4 * k];
     const double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (problem.empty() && !(std::abs(norm2 - 1.0) < 2e-3))
-      problem = rowName(k) + format(": its orientation is not a unit quaternion (norm %g)", std::sqrt(norm2));
+      problem = rowName(k) +
+                format(": its orientation is not a unit quaternion (norm %g)", std::sqrt(norm2));
   }
   auto checkFinite = [&](const std::vector<double>& values, std::size_t columns, const char* name) {
     if (problem.empty() && !allFinite(values, at))
@@ -332,7 +349,8 @@ class RowOrder {
     petsc(PetscLayoutSetUp(layout));
     std::vector<PetscInt> rows(state.row, state.row + state.owned());
     petsc(PetscSFCreate(state.comm(), &sf_));
-    petsc(PetscSFSetGraphLayout(sf_, layout, state.owned(), nullptr, PETSC_COPY_VALUES, rows.data()));
+    petsc(
+        PetscSFSetGraphLayout(sf_, layout, state.owned(), nullptr, PETSC_COPY_VALUES, rows.data()));
     petsc(PetscSFSetUp(sf_));
     petsc(PetscLayoutDestroy(&layout));
   }
@@ -373,7 +391,8 @@ bool writeRows(hid_t group, const char* name, hid_t stored, hid_t memoryType, st
     H5Pset_chunk(creation, dimensions, chunk);
     H5Pset_fletcher32(creation);
   }
-  h5::Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose);
+  h5::Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, creation, H5P_DEFAULT),
+                 H5Dclose);
   if (!set.valid()) return false;
   if (total == 0) return true;
   const hsize_t start[2] = {static_cast<hsize_t>(begin), 0};
@@ -400,7 +419,8 @@ std::string publish(const std::string& temporary, const std::string& file) {
   }
   ::close(fd);
   if (std::rename(temporary.c_str(), file.c_str()) != 0)
-    return format("cannot rename %s to %s: %s", temporary.c_str(), file.c_str(), std::strerror(errno));
+    return format("cannot rename %s to %s: %s", temporary.c_str(), file.c_str(),
+                  std::strerror(errno));
   const auto folder = std::filesystem::path(file).parent_path();
   const int dir = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY);
   if (dir >= 0) {
@@ -432,12 +452,16 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
     h5::writeScalar(group, "step", state.step);
     h5::writeScalar(group, "time", state.time);
     h5::writeAttribute(group, "units", units.name);
-    h5::writeAttribute(group, "lower", std::vector<double>(state.box.lower.begin(), state.box.lower.end()));
-    h5::writeAttribute(group, "upper", std::vector<double>(state.box.upper.begin(), state.box.upper.end()));
-    h5::writeAttribute(group, "periodic",
-                       std::vector<std::int64_t>(state.box.periodic.begin(), state.box.periodic.end()));
+    h5::writeAttribute(group, "lower",
+                       std::vector<double>(state.box.lower.begin(), state.box.lower.end()));
+    h5::writeAttribute(group, "upper",
+                       std::vector<double>(state.box.upper.begin(), state.box.upper.end()));
+    h5::writeAttribute(
+        group, "periodic",
+        std::vector<std::int64_t>(state.box.periodic.begin(), state.box.periodic.end()));
 
-    std::vector<double> position(3 * static_cast<std::size_t>(n)), orientation(4 * static_cast<std::size_t>(n));
+    std::vector<double> position(3 * static_cast<std::size_t>(n)),
+        orientation(4 * static_cast<std::size_t>(n));
     std::vector<std::int64_t> index(static_cast<std::size_t>(n));
     for (int i = 0; i < n; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -446,8 +470,9 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
       index[k] = state.chain[2 * k];
     }
     auto write = [&](const char* name, hid_t stored, hid_t memory, const auto& rows, int columns) {
-      good = writeRows(group, name, stored, memory, state.total(), block.begin, block.count, columns,
-                       columns > 1, rows) && good;
+      good = writeRows(group, name, stored, memory, state.total(), block.begin, block.count,
+                       columns, columns > 1, rows) &&
+             good;
     };
     const auto orderedPosition = ordered(position.data(), 3);
     const auto orderedImage = ordered(state.image, 3);
@@ -466,7 +491,8 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
     std::vector<std::int64_t> closed;
     for (std::size_t k = 0; k < orderedBond.size(); ++k) {
       broken[k] = (orderedBond[k] & nextBroken) != 0;
-      if ((orderedBond[k] & fibreClosed) && orderedChain[2 * k] == 0) closed.push_back(orderedFibre[k]);
+      if ((orderedBond[k] & fibreClosed) && orderedChain[2 * k] == 0)
+        closed.push_back(orderedFibre[k]);
     }
     write("bond_broken", H5T_STD_I8LE, H5T_NATIVE_INT8, broken, 1);
     std::int64_t mine = static_cast<std::int64_t>(closed.size()), offset = 0, count = 0;
@@ -474,8 +500,9 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
     if (state.rank() == 0) offset = 0;
     MPI_Allreduce(&mine, &count, 1, MPI_INT64_T, MPI_SUM, state.comm());
     if (count > 0)
-      good = writeRows(group, "fibre_closed", H5T_STD_I64LE, H5T_NATIVE_INT64, count, offset, mine, 1,
-                       false, closed) && good;
+      good = writeRows(group, "fibre_closed", H5T_STD_I64LE, H5T_NATIVE_INT64, count, offset, mine,
+                       1, false, closed) &&
+             good;
     if (what.forces) {
       write("force", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, ordered(state.force, 3), 3);
       write("torque", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, ordered(state.torque, 3), 3);
@@ -487,7 +514,8 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
     if (!run.reals.empty() || !run.integers.empty()) {
       h5::Handle record(H5Gcreate2(f, "run", H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
       for (const auto& [name, values] : run.reals) h5::writeAttribute(record, name.c_str(), values);
-      for (const auto& [name, values] : run.integers) h5::writeAttribute(record, name.c_str(), values);
+      for (const auto& [name, values] : run.integers)
+        h5::writeAttribute(record, name.c_str(), values);
     }
 
     if (what.mesh) {
@@ -511,9 +539,11 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
       if (state.rank() == 0) lineOffset = 0;
       MPI_Allreduce(&own, &lineTotal, 1, MPI_INT64_T, MPI_SUM, state.comm());
       good = writeRows(mesh, "points", H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, state.total(), block.begin,
-                       block.count, 3, true, points) && good;
-      good = writeRows(mesh, "lines", H5T_STD_I32LE, H5T_NATIVE_INT32, lineTotal, lineOffset, own, 2,
-                       true, lines) && good;
+                       block.count, 3, true, points) &&
+             good;
+      good = writeRows(mesh, "lines", H5T_STD_I32LE, H5T_NATIVE_INT32, lineTotal, lineOffset, own,
+                       2, true, lines) &&
+             good;
     }
     good = H5Fflush(f, H5F_SCOPE_GLOBAL) >= 0 && good;
   }
@@ -529,7 +559,8 @@ void refuseForeignTarget(MPI_Comm comm, const std::string& file) {
   std::string problem;
   std::error_code code;
   if (rank == 0 && std::filesystem::exists(file, code) && !diagnose(file).empty())
-    problem = "will not overwrite " + file + ": it is not a nanoweft state file; remove it or choose another name";
+    problem = "will not overwrite " + file +
+              ": it is not a nanoweft state file; remove it or choose another name";
   agree<InputError>(comm, problem);
 }
 

@@ -37,24 +37,28 @@ namespace {
 std::string command(const Folder& folder, const std::string& options, int ranks, int threads) {
   return "cd '" + folder.path().string() + "' && OMP_NUM_THREADS=" + std::to_string(threads) +
          " OMP_WAIT_POLICY=passive OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
-         " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none exec '" NANOWEFT_MPIEXEC
-         "' --quiet --oversubscribe --bind-to none -n " +
+         " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none exec "
+         "'" NANOWEFT_MPIEXEC "' --quiet --oversubscribe --bind-to none -n " +
          std::to_string(ranks) + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
 }
 
 Outcome finish(const Folder& folder, int status) {
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), readFile(folder / "out.txt")};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+          readFile(folder / "out.txt")};
 }
 
 }  // namespace
 
 Outcome run(const Folder& folder, const std::string& options, int ranks, int threads) {
-  return finish(folder, std::system(("(" + command(folder, options, ranks, threads) + ")").c_str()));
+  return finish(folder,
+                std::system(("(" + command(folder, options, ranks, threads) + ")").c_str()));
 }
 
-Outcome runBeside(const Folder& folder, const std::string& options, int ranks, const std::string& beside) {
-  const std::string script = "(" + command(folder, options, ranks, 1) + ") & PID=$!; cd '" + folder.path().string() +
-                             "'; { " + beside + "; } > beside.txt 2>&1; wait $PID";
+Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
+                  const std::string& beside) {
+  const std::string script = "(" + command(folder, options, ranks, 1) + ") & PID=$!; cd '" +
+                             folder.path().string() + "'; { " + beside +
+                             "; } > beside.txt 2>&1; wait $PID";
   return finish(folder, std::system(script.c_str()));
 }
 
@@ -96,7 +100,8 @@ std::vector<double> readDataset(const std::string& file, const std::string& name
   return values;
 }
 
-void writeState(const std::string& file, const std::vector<FibreInput>& fibres, const BoxInput& box) {
+void writeState(const std::string& file, const std::vector<FibreInput>& fibres,
+                const BoxInput& box) {
   std::vector<double> position, orientation;
   std::vector<std::int64_t> fibre, index, closed;
   for (std::size_t f = 0; f < fibres.size(); ++f) {
@@ -119,11 +124,13 @@ void writeState(const std::string& file, const std::vector<FibreInput>& fibres, 
   h5::writeAttribute(group, "units", "nano");
   h5::writeAttribute(group, "lower", std::vector<double>(box.lower.begin(), box.lower.end()));
   h5::writeAttribute(group, "upper", std::vector<double>(box.upper.begin(), box.upper.end()));
-  h5::writeAttribute(group, "periodic", std::vector<std::int64_t>(box.periodic.begin(), box.periodic.end()));
+  h5::writeAttribute(group, "periodic",
+                     std::vector<std::int64_t>(box.periodic.begin(), box.periodic.end()));
   auto write = [&](const char* name, hid_t type, const void* data, hsize_t rows, hsize_t columns) {
     const hsize_t shape[2] = {rows, columns};
     h5::Handle space(H5Screate_simple(columns == 1 ? 1 : 2, shape, nullptr), H5Sclose);
-    h5::Handle set(H5Dcreate2(group, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    h5::Handle set(H5Dcreate2(group, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                   H5Dclose);
     H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
   };
   const hsize_t n = fibre.size();

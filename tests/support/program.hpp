@@ -34,7 +34,8 @@ struct Outcome {
 /// Runs nanoweft in `folder`.
 Outcome run(const Folder& folder, const std::string& options, int ranks = 1, int threads = 1);
 /// The same, with a shell command that runs beside it and finds the process id of mpirun in $PID.
-Outcome runBeside(const Folder& folder, const std::string& options, int ranks, const std::string& beside);
+Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
+                  const std::string& beside);
 
 std::string readFile(const std::string& file);
 /// Columns of a CSV file by name.
@@ -53,7 +54,8 @@ struct BoxInput {
   std::array<bool, 3> periodic{false, false, false};
 };
 /// Writes a state file as an outsider would: with the required datasets only.
-void writeState(const std::string& file, const std::vector<FibreInput>& fibres, const BoxInput& box = {});
+void writeState(const std::string& file, const std::vector<FibreInput>& fibres,
+                const BoxInput& box = {});
 
 /// A straight fibre of `segments` segments of 13.56 A.
 FibreInput straightFibre(const Vec3d& start, const Vec3d& direction, int segments);

@@ -9,14 +9,19 @@ namespace {
 
 const BondParameters referenceBond{13.56, 67.59, 19780.0, -4032.0, 1471.0};
 
-double total(const BondEnergy<double>& e) { return e.stretch + e.shear + e.bending + e.torsion; }
+double total(const BondEnergy<double>& e) {
+  return e.stretch + e.shear + e.bending + e.torsion;
+}
 
 /// physics.md's formula for the whole, which the parts must sum to.
-double evmEnergy(const BondParameters& b, const Vec3d& separation, const Quatd& qi, const Quatd& qj) {
+double evmEnergy(const BondParameters& b, const Vec3d& separation, const Quatd& qi,
+                 const Quatd& qj) {
   const double r = norm(separation);
   const Vec3d d = (1.0 / r) * separation, ni = axis1(qi), nj = -axis1(qj);
-  return 0.5 * b.stretch * (r - b.length) * (r - b.length) + 0.5 * b.shear * dot(nj - ni, d) + b.bending * dot(ni, nj) -
-         0.5 * b.torsion * (dot(axis2(qi), axis2(qj)) + dot(axis3(qi), axis3(qj))) + b.shear + b.bending + b.torsion;
+  return 0.5 * b.stretch * (r - b.length) * (r - b.length) + 0.5 * b.shear * dot(nj - ni, d) +
+         b.bending * dot(ni, nj) -
+         0.5 * b.torsion * (dot(axis2(qi), axis2(qj)) + dot(axis3(qi), axis3(qj))) + b.shear +
+         b.bending + b.torsion;
 }
 
 void expectNear(const Vec3d& a, const Vec3d& b, double tolerance) {
@@ -59,12 +64,17 @@ TEST(Bond, PartsSumToTheWholeAndForcesAreItsGradient) {
     const Quatd qi = random.orientation(), qj = rotation(random.vector(0.3)) * qi;
     const Vec3d separation = 13.56 * axis1(qi) + random.vector(1.0);
     const auto f = bondForce(referenceBond, separation, qi, qj);
-    EXPECT_NEAR(total(bondEnergy(referenceBond, separation, qi, qj)), evmEnergy(referenceBond, separation, qi, qj), 1e-10);
+    EXPECT_NEAR(total(bondEnergy(referenceBond, separation, qi, qj)),
+                evmEnergy(referenceBond, separation, qi, qj), 1e-10);
     const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (const Vec3d& e : axes) {
       auto moved = [&](double s) { return evmEnergy(referenceBond, separation + s * e, qi, qj); };
-      auto turnedI = [&](double s) { return evmEnergy(referenceBond, separation, rotation(s * e) * qi, qj); };
-      auto turnedJ = [&](double s) { return evmEnergy(referenceBond, separation, qi, rotation(s * e) * qj); };
+      auto turnedI = [&](double s) {
+        return evmEnergy(referenceBond, separation, rotation(s * e) * qi, qj);
+      };
+      auto turnedJ = [&](double s) {
+        return evmEnergy(referenceBond, separation, qi, rotation(s * e) * qj);
+      };
       // Moving j along e: dU/ds = -F_j.e = F_i.e.
       EXPECT_NEAR(derivative(moved, 1e-2), dot(f.force, e), 1e-6 * (1 + norm(f.force)));
       EXPECT_NEAR(derivative(turnedI, 1e-3), -dot(f.torqueI, e), 1e-6 * (1 + norm(f.torqueI)));
@@ -110,7 +120,8 @@ TEST(Bond, LanesGiveTheBitsOfDoubles) {
   const Vec3d separation = 13.56 * axis1(qi) + random.vector(1.0);
   auto wide = [](const Quatd& q) { return Quat<Lanes>{q.w, q.x, q.y, q.z}; };
   const auto one = bondForce(referenceBond, separation, qi, qj);
-  const auto many = bondForce(referenceBond, Vec3<Lanes>{separation.x, separation.y, separation.z}, wide(qi), wide(qj));
+  const auto many = bondForce(referenceBond, Vec3<Lanes>{separation.x, separation.y, separation.z},
+                              wide(qi), wide(qj));
   for (std::size_t k = 0; k < Lanes::size(); ++k) {
     EXPECT_EQ(many.force.x[k], one.force.x);
     EXPECT_EQ(many.torqueI.y[k], one.torqueI.y);

@@ -27,7 +27,9 @@ inline std::vector<std::vector<double>> readTable(const std::string& name) {
   return rows;
 }
 
-inline Vec3d vectorAt(const std::vector<double>& row, std::size_t k) { return {row[k], row[k + 1], row[k + 2]}; }
+inline Vec3d vectorAt(const std::vector<double>& row, std::size_t k) {
+  return {row[k], row[k + 1], row[k + 2]};
+}
 inline Quatd quaternionAt(const std::vector<double>& row, std::size_t k) {
   return {row[k], row[k + 1], row[k + 2], row[k + 3]};
 }
@@ -43,7 +45,9 @@ struct Random {
   }
 };
 
-inline Vec3d rotate(const Quatd& q, const Vec3d& v) { return v.x * axis1(q) + v.y * axis2(q) + v.z * axis3(q); }
+inline Vec3d rotate(const Quatd& q, const Vec3d& v) {
+  return v.x * axis1(q) + v.y * axis2(q) + v.z * axis3(q);
+}
 
 /// Derivative of f at 0 by Richardson-extrapolated central differences.
 template <class F>

@@ -1,4 +1,5 @@
-/// Every pair law: reference numbers, gradients, conservation, continuity; one set of tests for all.
+/// Every pair law: reference numbers, gradients, conservation, continuity; one set of tests for
+/// all.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -21,15 +22,23 @@ VdwParameters parameters(bool smooth) {
 
 /// resolvePair with the number of points chosen at run time.
 template <class Law>
-PairResult<double> resolve(const Law& law, int points, const Vec3d& separation, const Quatd& qi, const Quatd& qj) {
+PairResult<double> resolve(const Law& law, int points, const Vec3d& separation, const Quatd& qi,
+                           const Quatd& qj) {
   switch (points) {
-    case 1: return resolvePair<true, 1>(law, length, separation, qi, qj);
-    case 2: return resolvePair<true, 2>(law, length, separation, qi, qj);
-    case 3: return resolvePair<true, 3>(law, length, separation, qi, qj);
-    case 4: return resolvePair<true, 4>(law, length, separation, qi, qj);
-    case 5: return resolvePair<true, 5>(law, length, separation, qi, qj);
-    case 9: return resolvePair<true, 9>(law, length, separation, qi, qj);
-    default: throw std::logic_error("number of points not instantiated");
+    case 1:
+      return resolvePair<true, 1>(law, length, separation, qi, qj);
+    case 2:
+      return resolvePair<true, 2>(law, length, separation, qi, qj);
+    case 3:
+      return resolvePair<true, 3>(law, length, separation, qi, qj);
+    case 4:
+      return resolvePair<true, 4>(law, length, separation, qi, qj);
+    case 5:
+      return resolvePair<true, 5>(law, length, separation, qi, qj);
+    case 9:
+      return resolvePair<true, 9>(law, length, separation, qi, qj);
+    default:
+      throw std::logic_error("number of points not instantiated");
   }
 }
 
@@ -49,11 +58,14 @@ TEST(Vdw, SpliceAndMinimum) {
 TEST(Vdw, ReferenceCases) {
   const auto rows = readTable("pairs.csv");
   ASSERT_EQ(rows.size(), 240u);
-  const Vdw<PaperExponents> laws[2] = {Vdw<PaperExponents>(parameters(false)), Vdw<PaperExponents>(parameters(true))};
+  const Vdw<PaperExponents> laws[2] = {Vdw<PaperExponents>(parameters(false)),
+                                       Vdw<PaperExponents>(parameters(true))};
   for (const auto& row : rows) {
     const Vec3d separation = vectorAt(row, 9) - vectorAt(row, 2);
-    const auto p = resolve(laws[row[1] != 0], static_cast<int>(row[0]), separation, quaternionAt(row, 5), quaternionAt(row, 12));
-    const double force = norm(vectorAt(row, 17)), torque = std::max(norm(vectorAt(row, 20)), norm(vectorAt(row, 23)));
+    const auto p = resolve(laws[row[1] != 0], static_cast<int>(row[0]), separation,
+                           quaternionAt(row, 5), quaternionAt(row, 12));
+    const double force = norm(vectorAt(row, 17)),
+                 torque = std::max(norm(vectorAt(row, 20)), norm(vectorAt(row, 23)));
     EXPECT_NEAR(p.energy, row[16], 1e-10 * std::max(1e-3, std::abs(row[16])));
     EXPECT_LT(norm(p.force - vectorAt(row, 17)), 1e-10 * std::max(1e-3, force));
     EXPECT_LT(norm(p.torqueI - vectorAt(row, 20)), 1e-10 * std::max(1e-2, torque));
@@ -70,7 +82,10 @@ struct LawCase {
 
 template <class Law>
 LawCase lawCase(std::string name, const Law& law, double nearest, double farthest) {
-  return {std::move(name), [law](int n, const Vec3d& d, const Quatd& a, const Quatd& b) { return resolve(law, n, d, a, b); },
+  return {std::move(name),
+          [law](int n, const Vec3d& d, const Quatd& a, const Quatd& b) {
+            return resolve(law, n, d, a, b);
+          },
           nearest, farthest};
 }
 
@@ -79,7 +94,8 @@ std::vector<LawCase> allLaws() {
   general.alpha = 8.7, general.beta = 4.4;
   return {lawCase("vdw_smooth", Vdw<PaperExponents>(parameters(true)), 10, 60),
           lawCase("vdw_kink", Vdw<PaperExponents>(parameters(false)), 10, 60),
-          lawCase("vdw_general", Vdw<GeneralExponents>(general), 10, 60), lawCase("hertz", Hertz(200, 6.78), 3, 14)};
+          lawCase("vdw_general", Vdw<GeneralExponents>(general), 10, 60),
+          lawCase("hertz", Hertz(200, 6.78), 3, 14)};
 }
 
 class EveryLaw : public testing::TestWithParam<LawCase> {};
@@ -97,8 +113,12 @@ TEST_P(EveryLaw, ForceAndTorqueAreTheGradientOfTheEnergy) {
       const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
       for (const Vec3d& e : axes) {
         auto moved = [&](double s) { return law.resolve(points, d + s * e, qi, qj).energy; };
-        auto turnedI = [&](double s) { return law.resolve(points, d, rotation(s * e) * qi, qj).energy; };
-        auto turnedJ = [&](double s) { return law.resolve(points, d, qi, rotation(s * e) * qj).energy; };
+        auto turnedI = [&](double s) {
+          return law.resolve(points, d, rotation(s * e) * qi, qj).energy;
+        };
+        auto turnedJ = [&](double s) {
+          return law.resolve(points, d, qi, rotation(s * e) * qj).energy;
+        };
         EXPECT_NEAR(derivative(moved, 1e-3), dot(p.force, e), 2e-6 * (1 + norm(p.force)));
         EXPECT_NEAR(derivative(turnedI, 1e-4), -dot(p.torqueI, e), 2e-6 * (1 + norm(p.torqueI)));
         EXPECT_NEAR(derivative(turnedJ, 1e-4), -dot(p.torqueJ, e), 2e-6 * (1 + norm(p.torqueJ)));
@@ -112,9 +132,11 @@ TEST_P(EveryLaw, ConservesAngularMomentumAndTurnsWithTheSpace) {
   for (int k = 0; k < 30; ++k) {
     const Quatd qi = random.orientation(), qj = random.orientation(), turn = random.orientation();
     const Vec3d direction = random.vector(1.0);
-    const Vec3d d = ((law.nearest + (law.farthest - law.nearest) * k / 40.0) / norm(direction)) * direction;
+    const Vec3d d =
+        ((law.nearest + (law.farthest - law.nearest) * k / 40.0) / norm(direction)) * direction;
     const auto p = law.resolve(3, d, qi, qj);
-    EXPECT_LT(norm(p.torqueI + p.torqueJ + cross(d, -p.force)), 1e-12 * (1 + norm(p.torqueI) + norm(p.force) * norm(d)));
+    EXPECT_LT(norm(p.torqueI + p.torqueJ + cross(d, -p.force)),
+              1e-12 * (1 + norm(p.torqueI) + norm(p.force) * norm(d)));
     const auto t = law.resolve(3, rotate(turn, d), turn * qi, turn * qj);
     EXPECT_NEAR(t.energy, p.energy, 1e-10 * (1 + std::abs(p.energy)));
     EXPECT_LT(norm(t.force - rotate(turn, p.force)), 1e-9 * (1 + norm(p.force)));

@@ -31,7 +31,8 @@ void petsc(PetscErrorCode code, std::source_location where = std::source_locatio
 /// would end all ranks but the first with status 0).
 void keepPetscErrors();
 
-/// Throws `Error` on all ranks when any rank's `problem` is not empty, with the lowest such rank's text.
+/// Throws `Error` on all ranks when any rank's `problem` is not empty, with the lowest such rank's
+/// text.
 template <class Error>
 void agree(MPI_Comm comm, std::string problem);
 

@@ -21,7 +21,8 @@ struct SumUnit {
       : unit(std::ldexp(1.0, std::ilogb(scale) - 33)), inverse(1.0 / unit) {}
 };
 
-/// Sum of doubles on the grid `unit` * 2^-40, held as two integers; |sum| < 2^62 units.
+/// Sum of doubles on the grid `unit` * 2^-40, held as two integers: terms below 2^52 units (5e5
+/// times the scale), sums below 2^62.
 ///
 /// A term that is not a number or too large for the grid poisons the sum: value() is then NaN.
 class ExactSum {

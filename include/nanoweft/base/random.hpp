@@ -16,10 +16,9 @@ inline std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
   for (int round = 0; round < 10; ++round) {
     const std::uint64_t p0 = 0xD2511F53ull * counter[0];
     const std::uint64_t p1 = 0xCD9E8D57ull * counter[2];
-    counter = {static_cast<std::uint32_t>(p1 >> 32) ^ counter[1] ^ key[0],
-               static_cast<std::uint32_t>(p1),
-               static_cast<std::uint32_t>(p0 >> 32) ^ counter[3] ^ key[1],
-               static_cast<std::uint32_t>(p0)};
+    counter = {
+        static_cast<std::uint32_t>(p1 >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(p1),
+        static_cast<std::uint32_t>(p0 >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(p0)};
     key[0] += 0x9E3779B9u;
     key[1] += 0xBB67AE85u;
   }
@@ -33,9 +32,10 @@ enum class Purpose : std::uint32_t { breakage = 1, perturbation = 2, stepEstimat
 inline std::array<double, 2> uniformPair(std::uint64_t seed, Purpose purpose, std::int64_t fibre,
                                          std::uint32_t index) {
   const auto f = static_cast<std::uint64_t>(fibre);
-  const auto bits = philox({static_cast<std::uint32_t>(f), static_cast<std::uint32_t>(f >> 32), index,
-                            static_cast<std::uint32_t>(purpose)},
-                           {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+  const auto bits =
+      philox({static_cast<std::uint32_t>(f), static_cast<std::uint32_t>(f >> 32), index,
+              static_cast<std::uint32_t>(purpose)},
+             {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
   auto unit = [](std::uint32_t high, std::uint32_t low) {
     const std::uint64_t mantissa = (static_cast<std::uint64_t>(high) << 32 | low) >> 12;
     return (static_cast<double>(mantissa) + 0.5) * 0x1p-52;

@@ -16,16 +16,20 @@ using Lanes = stdx::native_simd<double>;
 inline constexpr int laneCount = static_cast<int>(Lanes::size());
 
 /// Per-lane choice; for doubles an ordinary conditional.
-NW_INLINE double select(bool condition, double a, double b) { return condition ? a : b; }
+NW_INLINE double select(bool condition, double a, double b) {
+  return condition ? a : b;
+}
 template <class T, class Abi>
-NW_INLINE stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition, const stdx::simd<T, Abi>& a,
-                          const stdx::simd<T, Abi>& b) {
+NW_INLINE stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition,
+                                    const stdx::simd<T, Abi>& a, const stdx::simd<T, Abi>& b) {
   stdx::simd<T, Abi> result = b;
   where(condition, result) = a;
   return result;
 }
 
-NW_INLINE bool anyOf(bool condition) { return condition; }
+NW_INLINE bool anyOf(bool condition) {
+  return condition;
+}
 template <class T, class Abi>
 NW_INLINE bool anyOf(const stdx::simd_mask<T, Abi>& condition) {
   return stdx::any_of(condition);

@@ -7,22 +7,22 @@ namespace nanoweft {
 
 /// CODATA 2018.
 namespace codata {
-inline constexpr double electronvolt = 1.602176634e-19;   // J, exact
-inline constexpr double atomicMass = 1.66053906660e-27;   // kg
+inline constexpr double electronvolt = 1.602176634e-19;  // J, exact
+inline constexpr double atomicMass = 1.66053906660e-27;  // kg
 }  // namespace codata
 
 /// How a person's numbers become internal ones, and what the internal ones are called.
 /// Internal units are consistent: energy = mass length^2 / time^2.
 struct UnitSystem {
-  std::string name;          ///< "nano" or "si"
-  double mass;               ///< internal mass per user's mass (amu in nano, kg in si)
-  double gigapascal;         ///< internal pressure of 1 GPa
-  const char* massName;      ///< the user's mass unit
+  std::string name;      ///< "nano" or "si"
+  double mass;           ///< internal mass per user's mass (amu in nano, kg in si)
+  double gigapascal;     ///< internal pressure of 1 GPa
+  const char* massName;  ///< the user's mass unit
   const char* length;
   const char* time;
   const char* energy;
   const char* force;
-  double secondsPerTime;     ///< seconds in one internal time unit
+  double secondsPerTime;  ///< seconds in one internal time unit
 };
 
 /// Angstrom, femtosecond, electronvolt; masses are typed in amu.

@@ -18,9 +18,10 @@ namespace nanoweft {
 class CellGrid {
  public:
   /// Cells with edges of at least `range`, cut among the ranks so that each gets about the same
-  /// number of segments. `lower`, `upper`: the box in periodic directions, else the segments' extent.
-  CellGrid(const State& state, const std::array<double, 3>& lower, const std::array<double, 3>& upper,
-           double range);
+  /// number of segments. `lower`, `upper`: the box in periodic directions, else the segments'
+  /// extent.
+  CellGrid(const State& state, const std::array<double, 3>& lower,
+           const std::array<double, 3>& upper, double range);
   ~CellGrid();
   CellGrid(const CellGrid&) = delete;
   CellGrid& operator=(const CellGrid&) = delete;
@@ -53,7 +54,8 @@ class CellGrid {
   std::array<std::vector<PetscInt>, 3> ends_;  // end of each part's cells, by direction
 };
 
-/// Points by cell: `order` lists the points cell after cell, each cell's in the order of their rows.
+/// Points by cell: `order` lists the points cell after cell, each cell's in the order of their
+/// rows.
 struct CellIndex {
   CellIndex(const State& state, const CellGrid& grid, int count);
 

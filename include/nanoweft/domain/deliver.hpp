@@ -17,7 +17,7 @@ namespace nanoweft {
 /// Collective. T is copied as bytes.
 template <class T>
 std::vector<std::pair<int, std::vector<T>>> deliver(MPI_Comm comm,
-                                                     const std::map<int, std::vector<T>>& outgoing) {
+                                                    const std::map<int, std::vector<T>>& outgoing) {
   std::vector<PetscMPIInt> to;
   std::vector<int> sizes;
   for (const auto& [rank, items] : outgoing) {
@@ -33,7 +33,8 @@ std::vector<std::pair<int, std::vector<T>>> deliver(MPI_Comm comm,
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int a, int b) { return from[a] < from[b]; });
   std::vector<std::pair<int, std::vector<T>>> incoming;
-  for (int k : order) incoming.emplace_back(from[k], std::vector<T>(static_cast<std::size_t>(incomingSizes[k])));
+  for (int k : order)
+    incoming.emplace_back(from[k], std::vector<T>(static_cast<std::size_t>(incomingSizes[k])));
   petsc(PetscFree(from));
   petsc(PetscFree(incomingSizes));
 

@@ -26,15 +26,15 @@ struct BondEnergy {
 
 template <class V>
 struct BondForce {
-  Vec3<V> force;         ///< on i; on j it is the negative
+  Vec3<V> force;             ///< on i; on j it is the negative
   Vec3<V> torqueI, torqueJ;  ///< about the segments' centres, space axes
-  V length{};            ///< r
+  V length{};                ///< r
 };
 
 /// Force and torques of a bond; `separation` is x_j - x_i by the minimum image.
 template <class V>
-NW_INLINE BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separation, const Quat<V>& qi,
-                       const Quat<V>& qj) {
+NW_INLINE BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separation,
+                                 const Quat<V>& qi, const Quat<V>& qj) {
   BondForce<V> result;
   const V r = norm(separation);
   const V inverse = 1.0 / r;
@@ -49,8 +49,8 @@ NW_INLINE BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separat
   const V half = 0.5 * b.shear;
   const V bending = b.bending;
   const V twisting = 0.5 * b.torsion;
-  const Vec3<V> couple =
-      twisting * (cross(axis2(qi), axis2(qj)) + cross(axis3(qi), axis3(qj))) - bending * cross(ni1, nj1);
+  const Vec3<V> couple = twisting * (cross(axis2(qi), axis2(qj)) + cross(axis3(qi), axis3(qj))) -
+                         bending * cross(ni1, nj1);
   result.torqueI = half * cross(ni1, d) + couple;
   result.torqueJ = -(half * cross(nj1, d)) - couple;
   result.length = r;
@@ -59,8 +59,8 @@ NW_INLINE BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separat
 
 /// The four parts of a bond's energy, each zero at rest.
 template <class V>
-NW_INLINE BondEnergy<V> bondEnergy(const BondParameters& b, const Vec3<V>& separation, const Quat<V>& qi,
-                         const Quat<V>& qj) {
+NW_INLINE BondEnergy<V> bondEnergy(const BondParameters& b, const Vec3<V>& separation,
+                                   const Quat<V>& qi, const Quat<V>& qj) {
   const V r = norm(separation);
   const V stretch = r - b.length;
   const Vec3<V> d = (1.0 / r) * separation;

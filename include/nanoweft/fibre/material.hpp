@@ -14,11 +14,11 @@ namespace nanoweft {
 
 /// Stiffnesses of an EVM bond and its rest length, in internal units.
 struct BondParameters {
-  double length = 0;       ///< T: rest length
-  double stretch = 0;      ///< B1 = E S/T                   (eV/A^2)
-  double shear = 0;        ///< B2 = 12 E J/T                (eV)
-  double bending = 0;      ///< B3 = -2 E J/T - G Jp/(2T)    (eV)
-  double torsion = 0;      ///< B4 = G Jp/T                  (eV)
+  double length = 0;   ///< T: rest length
+  double stretch = 0;  ///< B1 = E S/T                   (eV/A^2)
+  double shear = 0;    ///< B2 = 12 E J/T                (eV)
+  double bending = 0;  ///< B3 = -2 E J/T - G Jp/(2T)    (eV)
+  double torsion = 0;  ///< B4 = G Jp/T                  (eV)
 };
 
 /// One kind of fibre, in internal units.
@@ -32,9 +32,9 @@ struct Fibre {
   double inertia = 0;  ///< of a segment, isotropic
   BondParameters bond;
 
-  double crossSection() const;        ///< S
-  double secondMoment() const;        ///< J
-  double bendingRigidity() const { return young * secondMoment(); }        ///< E J
+  double crossSection() const;                                               ///< S
+  double secondMoment() const;                                               ///< J
+  double bendingRigidity() const { return young * secondMoment(); }          ///< E J
   double torsionalRigidity() const { return 2.0 * shear * secondMoment(); }  ///< G Jp
 
   /// Fills `inertia` and `bond` from the other members.

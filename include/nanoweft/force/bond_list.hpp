@@ -12,7 +12,8 @@
 
 namespace nanoweft {
 
-/// When bonds break (physics.md 7): at a strain drawn from a normal distribution by (seed, fibre, index).
+/// When bonds break (physics.md 7): at a strain drawn from a normal distribution by (seed, fibre,
+/// index).
 struct BreakageLaw {
   double mean = 0.3, deviation = 0.05;
   std::uint64_t seed = 1;
@@ -36,8 +37,8 @@ class BondList {
 
   /// Thread t sets force and torque of its segments to those of their bonds, or with `ghosts` adds
   /// those of the bonds to ghosts. Bonds beyond their critical strain break when `mayBreak`.
-  void add(State& state, const BondParameters& bond, const MinimumImage& nearest, int thread, Share share,
-           bool ghosts, bool energies, bool mayBreak, BondTally& tally);
+  void add(State& state, const BondParameters& bond, const MinimumImage& nearest, int thread,
+           Share share, bool ghosts, bool energies, bool mayBreak, BondTally& tally);
 
   std::int64_t size() const;
 

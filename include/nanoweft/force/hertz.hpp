@@ -1,5 +1,6 @@
 /// Hertzian repulsion without adhesion: u(r) = K (2 rf - r)^(5/2) where fibres overlap, else zero
-/// (physics.md 4.2; Hertz's contact of spheres, with K = (4/15) E* sqrt(R/2) for spheres of radius R).
+/// (physics.md 4.2; Hertz's contact of spheres, with K = (4/15) E* sqrt(R/2) for spheres of radius
+/// R).
 #pragma once
 
 #include <cmath>

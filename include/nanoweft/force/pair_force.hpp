@@ -47,7 +47,7 @@ struct PairJob {
 };
 
 struct PairTally {
-  ExactSum energy;           ///< unit: energyUnit of the force field
+  ExactSum energy;  ///< unit: energyUnit of the force field
   SumUnit energyUnit;
   std::int64_t resolved = 0;  ///< pairs in reach
 };
@@ -80,6 +80,7 @@ class PairForce {
 };
 
 /// Reads -pair and the options of the laws; empty for `none`.
-std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units, const Fibre& fibre);
+std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units,
+                                         const Fibre& fibre);
 
 }  // namespace nanoweft

@@ -18,8 +18,8 @@ struct PairResult {
 };
 
 template <bool Energies, int N, class Law, class V>
-NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation, const Quat<V>& qi,
-                          const Quat<V>& qj) {
+NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation,
+                                    const Quat<V>& qi, const Quat<V>& qj) {
   const double spacing = length / N;
   const V cutoff2(law.cutoff() * law.cutoff());
   const Vec3<V> ei = axis1(qi), ej = axis1(qj);
@@ -93,7 +93,8 @@ void addPairs(const Law& law, double length, double reach, double forceUnit, dou
     const GatheredPose pi(job.pose, i), pj(job.pose, j);
     const Vec3<Lanes> separation = (*job.nearest)(pj.position - pi.position);
     if (!anyOf(dot(separation, separation) < reach2)) continue;
-    const auto pair = resolvePair<Energies, N>(law, length, separation, pi.orientation, pj.orientation);
+    const auto pair =
+        resolvePair<Energies, N>(law, length, separation, pi.orientation, pj.orientation);
     if (!anyOf(pair.touching)) continue;
     alignas(64) double scaled[9][laneCount];
     auto store = [&](int row, const Vec3<Lanes>& v, const Lanes& scale) {

@@ -24,8 +24,8 @@ class PairList {
  public:
   /// Lists all pairs whose centres are within `range`, but for neighbours along a fibre closer than
   /// `exclude` places that have never been apart (State::gap).
-  void build(const State& state, const CellGrid& grid, const std::vector<Share>& shares, double range,
-             int exclude);
+  void build(const State& state, const CellGrid& grid, const std::vector<Share>& shares,
+             double range, int exclude);
 
   /// A thread's pairs without ghosts, then those with.
   struct ThreadPairs {

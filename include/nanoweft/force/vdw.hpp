@@ -1,12 +1,12 @@
-/// Van der Waals adhesion between fibres with a linear repulsion at contact (physics.md 4.1; Table 2
-/// and eq. (5) of the paper, with the splice settled):
+/// Van der Waals adhesion between fibres with a linear repulsion at contact (physics.md 4.1; Table
+/// 2 and eq. (5) of the paper, with the splice settled):
 ///
 ///     v(r) = 4 eps (A / D^alpha - B / D^beta),  D = r/rf - 2
 ///     u(r) = v(r)                                          r >  rs
 ///     u(r) = v(rs) + v'(rs) (r - rs) + k (r - rs)^2        r <= rs
 ///
-/// `smooth`: rs is where v'' = 2k, so the stiffness is continuous too; `kink`: rs is the minimum of v.
-/// A C2 switch takes the energy to zero between -pair_switch and -pair_cutoff.
+/// `smooth`: rs is where v'' = 2k, so the stiffness is continuous too; `kink`: rs is the minimum of
+/// v. A C2 switch takes the energy to zero between -pair_switch and -pair_cutoff.
 #pragma once
 
 #include <cmath>
@@ -73,10 +73,10 @@ struct VdwParameters {
   double epsilon = 0.07124;  ///< eV
   double a = 0.0223, b = 1.31;
   double alpha = 9.5, beta = 4.0;
-  double stiffness = 200.0;  ///< k, eV/A^2
-  double radius = 6.78;      ///< rf, A
+  double stiffness = 200.0;                   ///< k, eV/A^2
+  double radius = 6.78;                       ///< rf, A
   double switchFrom = 40.68, cutoff = 54.24;  ///< A
-  bool smooth = true;        ///< else the kink splice
+  bool smooth = true;                         ///< else the kink splice
 };
 
 template <class Exponents>

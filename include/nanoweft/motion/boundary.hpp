@@ -18,13 +18,13 @@ namespace nanoweft {
 /// One boundary condition. Velocity, force and torque grow linearly during `ramp`.
 struct Boundary {
   std::string name;
-  int bit = 0;                       ///< its members carry this bit of State::group
+  int bit = 0;                                  ///< its members carry this bit of State::group
   std::optional<std::array<double, 6>> region;  ///< lower, upper corner; else the user's `bit`
-  std::array<bool, 3> fix{};         ///< components of the velocity that are prescribed
+  std::array<bool, 3> fix{};                    ///< components of the velocity that are prescribed
   bool fixRotation = false;
-  Vec3d velocity, force, torque;     ///< force and torque are per segment
+  Vec3d velocity, force, torque;  ///< force and torque are per segment
   double ramp = 0;
-  double start = 0;                  ///< time when it began
+  double start = 0;  ///< time when it began
 
   double factor(double time) const {
     return ramp > 0 && time < start + ramp ? (time - start) / ramp : 1.0;
@@ -62,7 +62,8 @@ class Boundaries {
   std::int32_t mask() const { return mask_; }
 
   /// Stress at the two grips, GPa; the forces are summed over all ranks. Collective.
-  std::array<double, 2> gripStress(const State& state, const ForceField& forces, const UnitSystem& units) const;
+  std::array<double, 2> gripStress(const State& state, const ForceField& forces,
+                                   const UnitSystem& units) const;
 
  private:
   void readNamed(Options& options, const UnitSystem& units);

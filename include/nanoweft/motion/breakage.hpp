@@ -1,10 +1,11 @@
 /// What follows a broken bond, for the pair forces (physics.md 7).
 ///
-/// Neighbours along a fibre, closer than -pair_exclude places, do not interact: their distance is the
-/// bonds' business and lies deep inside the repulsion. When a bond between them breaks they must
-/// become an ordinary pair, yet switching the pair force on at once would add its energy out of
-/// nothing (two ends 1.3 T apart repel with hundreds of eV). So each such pair starts to interact when
-/// it first has been out of the force's reach, where its energy is zero: no energy jumps in.
+/// Neighbours along a fibre, closer than -pair_exclude places, do not interact: their distance is
+/// the bonds' business and lies deep inside the repulsion. When a bond between them breaks they
+/// must become an ordinary pair, yet switching the pair force on at once would add its energy out
+/// of nothing (two ends 1.3 T apart repel with hundreds of eV). So each such pair starts to
+/// interact when it first has been out of the force's reach, where its energy is zero: no energy
+/// jumps in.
 ///
 /// Two bit masks a segment hold this (State::gap); both ends of a pair keep their own copy and come
 /// to the same bits from the same positions.

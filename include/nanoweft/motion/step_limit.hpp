@@ -7,9 +7,9 @@
 
 namespace nanoweft {
 
-/// Limit of the present state: omega_max^2 is the largest eigenvalue of the mass-weighted stiffness,
-/// found by Lanczos iteration on differences of forces. State and forces are left as they were;
-/// lists must be up to date. Collective.
+/// Limit of the present state: omega_max^2 is the largest eigenvalue of the mass-weighted
+/// stiffness, found by Lanczos iteration on differences of forces. State and forces are left as
+/// they were; lists must be up to date. Collective.
 double presentStepLimit(State& state, ForceField& forces, Halo& halo);
 
 /// Limit of one free straight chain, from its dispersion relations (axial, torsional and

@@ -1,7 +1,7 @@
 /// Velocity Verlet with exact rotation, damping and constraints (physics.md 5 and 6).
 ///
-/// A step is: half kick, drift, [forces], half kick. Damping acts in each half kick on the force and
-/// velocity of that moment, so a state is complete with positions and velocities.
+/// A step is: half kick, drift, [forces], half kick. Damping acts in each half kick on the force
+/// and velocity of that moment, so a state is complete with positions and velocities.
 ///
 /// Energy accounts are kept by half kick: with dv the change of the velocity and the mean velocity
 /// in between, force times mean velocity times dt/2 is exactly the work that the kick does. So
@@ -21,8 +21,8 @@ struct EnergyAccounts {
 
 /// What a drift noticed on this rank.
 struct DriftReport {
-  bool stale = false;      ///< a segment left its half of the skin
-  bool unstable = false;   ///< a segment moved too far in one step, or is not a number
+  bool stale = false;     ///< a segment left its half of the skin
+  bool unstable = false;  ///< a segment moved too far in one step, or is not a number
 };
 
 class Verlet {
@@ -36,7 +36,8 @@ class Verlet {
   DriftReport kickAndDrift(State& state, const ForceField& forces, const Boundaries& boundaries,
                            EnergyAccounts& accounts) const;
   /// Second half kick, with the forces at the new time.
-  void kick(State& state, const ForceField& forces, const Boundaries& boundaries, EnergyAccounts& accounts) const;
+  void kick(State& state, const ForceField& forces, const Boundaries& boundaries,
+            EnergyAccounts& accounts) const;
 
  private:
   double dt_, damping_;

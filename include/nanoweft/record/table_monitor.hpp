@@ -17,18 +17,20 @@ namespace nanoweft {
 
 class TableMonitor {
  public:
-  /// `columns`: names after `step`; `curves`: which of them a line graph shows, over column `abscissa`.
-  TableMonitor(Options& options, std::string option, const char* help, std::vector<std::string> columns,
-               std::size_t abscissa, std::vector<std::size_t> curves);
+  /// `columns`: names after `step`; `curves`: which of them a line graph shows, over column
+  /// `abscissa`.
+  TableMonitor(Options& options, std::string option, const char* help,
+               std::vector<std::string> columns, std::size_t abscissa,
+               std::vector<std::size_t> curves);
   ~TableMonitor();
   TableMonitor(const TableMonitor&) = delete;
   TableMonitor& operator=(const TableMonitor&) = delete;
 
   bool wanted() const { return wanted_; }
 
-  /// Opens the viewer. A file that exists is replaced, but in a restart its rows up to `restartStep`
-  /// are kept (-1: no restart). Collective.
-  void open(MPI_Comm comm, std::int64_t restartStep);
+  /// Opens the viewer. A file that exists is replaced, but in a restart its rows up to
+  /// `restartStep` are kept (-1: no restart); `interval`: steps between rows. Collective.
+  void open(MPI_Comm comm, std::int64_t restartStep, std::int64_t interval);
   void record(std::int64_t step, const std::vector<double>& values);
 
  private:

@@ -46,7 +46,8 @@ std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, 
 /// this rank's share, made by `make(fibre)`.
 template <class Make>
 void fillFibres(State& state, std::int64_t fibres, int segments, const Make& make) {
-  const std::int64_t first = fibres * state.rank() / state.ranks(), last = fibres * (state.rank() + 1) / state.ranks();
+  const std::int64_t first = fibres * state.rank() / state.ranks(),
+                     last = fibres * (state.rank() + 1) / state.ranks();
   state.addOwned(static_cast<int>((last - first) * segments));
   int i = 0;
   for (std::int64_t f = first; f < last; ++f) {
@@ -59,7 +60,8 @@ void fillFibres(State& state, std::int64_t fibres, int segments, const Make& mak
       state.chain[2 * i + 1] = segments;
       state.bond[i] = geometry.closed ? fibreClosed : 0;
       double* x = state.pose + 8 * i;
-      x[0] = geometry.position[at].x, x[1] = geometry.position[at].y, x[2] = geometry.position[at].z;
+      x[0] = geometry.position[at].x, x[1] = geometry.position[at].y,
+      x[2] = geometry.position[at].z;
       state.setOrientation(i, geometry.orientation[at]);
       state.box.wrap(x, state.image + 3 * i);
     }
@@ -68,8 +70,11 @@ void fillFibres(State& state, std::int64_t fibres, int segments, const Make& mak
 }
 
 // The scenes. Each reads its own options; when not `active` only for -help.
-std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed);
-std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed);
-std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active, bool optionsAllowed);
+std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, bool active,
+                                      bool optionsAllowed);
+std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, bool active,
+                                      bool optionsAllowed);
+std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active,
+                                     bool optionsAllowed);
 
 }  // namespace nanoweft

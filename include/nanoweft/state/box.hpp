@@ -10,7 +10,9 @@
 
 namespace nanoweft {
 
-inline double roundToNearest(double x) { return std::nearbyint(x); }
+inline double roundToNearest(double x) {
+  return std::nearbyint(x);
+}
 template <class T, class Abi>
 stdx::simd<T, Abi> roundToNearest(const stdx::simd<T, Abi>& x) {
   return nearbyint(x);

@@ -1,0 +1,100 @@
+/// The same run gives the same bytes for any number of ranks and threads.
+#include <gtest/gtest.h>
+
+#include "support/program.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+/// Files of a run that must not depend on how it was distributed.
+void expectSameFiles(const std::string& options, const std::vector<std::string>& files,
+                     const std::vector<std::pair<int, int>>& layouts) {
+  const Folder reference;
+  auto outcome = run(reference, options, 1, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const auto& [ranks, threads] : layouts) {
+    const Folder folder;
+    outcome = run(folder, options, ranks, threads);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    for (const std::string& file : files)
+      EXPECT_TRUE(readFile(folder / file) == readFile(reference / file))
+          << file << " on " << ranks << " x " << threads;
+  }
+}
+
+const std::string outputs =
+    " -state_output out.h5 -state_forces -energy_monitor ascii:energy.csv -monitor_interval 50";
+const std::vector<std::pair<int, int>> allLayouts{{1, 2}, {2, 1}, {2, 2}, {4, 1}, {4, 2}};
+
+TEST(SameBits, OpenWeave) {
+  expectSameFiles(
+      "-weave_fibres 6,6 -weave_segments 36 -damping_local 0.4 -scene_perturb 0.1 -ts_max_steps "
+      "400" +
+          outputs,
+      {"out.h5", "energy.csv"}, allLayouts);
+}
+
+TEST(SameBits, PeriodicWeaveOnMoreRanks) {
+  expectSameFiles(
+      "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.2 -ts_max_steps 300" +
+          outputs,
+      {"out.h5", "energy.csv"}, {{2, 1}, {3, 1}, {8, 1}});
+}
+
+TEST(SameBits, TensionWithBreakage) {
+  expectSameFiles(
+      "-weave_fibres 4,4 -weave_segments 32 -damping_local 0.4 -tension_rate 2e-5 -tension_ramp "
+      "2000 -tension_grip 40 "
+      "-tension_max_strain 0.45 -break_strain_mean 0.12 -break_strain_std 0.03 -ts_dt 15 "
+      "-stress_monitor ascii:stress.csv" +
+          outputs,
+      {"out.h5", "energy.csv", "stress.csv"}, {{1, 2}, {2, 1}, {4, 1}});
+}
+
+TEST(SameBits, ViscousDamping) {
+  expectSameFiles(
+      "-weave_fibres 4,4 -weave_segments 24 -damping_viscous 20 -damping_viscous_angular 500 "
+      "-ts_max_steps 200" +
+          outputs,
+      {"out.h5", "energy.csv"}, {{2, 1}, {4, 1}});
+}
+
+TEST(SameBits, FibresWithoutPairForces) {
+  expectSameFiles(
+      "-scene fibre -fibre_segments 40 -fibre_bend 2 -fibre_twist 1 -pair none -ts_max_steps 500" +
+          outputs,
+      {"out.h5", "energy.csv"}, {{2, 1}, {4, 2}});
+}
+
+TEST(SameBits, RanksMayBeEmpty) {
+  // Two segments on four ranks.
+  expectSameFiles("-scene fibre -fibre_segments 2 -fibre_strain 0.01 -ts_max_steps 100" + outputs,
+                  {"out.h5", "energy.csv"}, {{4, 1}});
+}
+
+TEST(SameBits, AnyImageOfAPositionIsAccepted) {
+  // A state given outside the periodic box is the same state.
+  const Folder folder;
+  BoxInput box;
+  box.lower = {0, 0, -300}, box.upper = {400, 400, 300}, box.periodic = {true, true, false};
+  writeState(
+      folder / "in.h5",
+      {straightFibre({390, 10, 0}, {1, 0, 0}, 8), straightFibre({20, 380, 18}, {0, 1, 0}, 8)}, box);
+  writeState(
+      folder / "moved.h5",
+      {straightFibre({790, 10, 0}, {1, 0, 0}, 8), straightFibre({20, -20, 18}, {0, 1, 0}, 8)}, box);
+  for (const char* name : {"in", "moved"}) {
+    const auto outcome = run(folder,
+                             std::string("-scene file -scene_file ") + name +
+                                 ".h5 -ts_max_steps 0 -energy_monitor ascii:" + name + ".csv",
+                             2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+  }
+  const auto a = readCsv(folder / "in.csv"), b = readCsv(folder / "moved.csv");
+  EXPECT_LT(a.at("pair").front(), -1.0);  // they cross through the corner of the box
+  EXPECT_NEAR(a.at("pair").front(), b.at("pair").front(), 1e-9);
+  EXPECT_LT(a.at("stretch").front() + a.at("shear").front(), 1e-9);
+}
+
+}  // namespace
+}  // namespace nanoweft::test

@@ -1,0 +1,155 @@
+/// Energy and momentum of whole runs: drift without damping, and the audit with it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/program.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+/// Largest deviation of total + damped + broken - external from its first value.
+double imbalance(const std::map<std::string, std::vector<double>>& csv) {
+  double worst = 0;
+  for (std::size_t k = 0; k < csv.at("step").size(); ++k) {
+    auto balance = [&](std::size_t i) {
+      return csv.at("total")[i] + csv.at("damped")[i] + csv.at("broken")[i] - csv.at("external")[i];
+    };
+    worst = std::max(worst, std::abs(balance(k) - balance(0)));
+  }
+  return worst;
+}
+
+/// Runs with the steps dt, dt/2 and dt/4 over one time; Verlet's error must fall fourfold each
+/// time.
+void expectSecondOrder(const std::string& options, double dt, double time, double allowed) {
+  double errors[3];
+  for (int k = 0; k < 3; ++k) {
+    const Folder folder;
+    const double step = dt / (1 << k);
+    const auto outcome =
+        run(folder,
+            options + " -ts_dt " + std::to_string(step) + " -ts_max_time " + std::to_string(time) +
+                " -energy_monitor ascii:energy.csv -monitor_interval " + std::to_string(1 << k));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    errors[k] = imbalance(readCsv(folder / "energy.csv"));
+  }
+  EXPECT_LT(errors[0], allowed);
+  EXPECT_GT(errors[0], 0.0);
+  EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2.0, 0.35);
+  EXPECT_NEAR(std::log2(errors[1] / errors[2]), 2.0, 0.35);
+}
+
+TEST(Energy, UndampedFibreKeepsItsEnergyToSecondOrder) {
+  // A bent, twisted and stretched fibre: about 60 eV of elastic energy.
+  expectSecondOrder(
+      "-scene fibre -fibre_segments 24 -fibre_bend 1 -fibre_twist 1 -fibre_strain 0.01 -pair none",
+      16, 16000, 1.5);
+}
+
+TEST(Energy, UndampedFibreDoesNotDriftInALongRun) {
+  const Folder folder;
+  const auto outcome =
+      run(folder,
+          "-scene fibre -fibre_segments 16 -fibre_bend 1 -fibre_twist 0.5 -pair none -ts_dt 10 "
+          "-ts_max_steps 200000 -energy_monitor ascii:energy.csv -monitor_interval 500");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto csv = readCsv(folder / "energy.csv");
+  const auto& total = csv.at("total");
+  // The mean of the first tenth against that of the last: fluctuations average out, a drift would
+  // not.
+  const std::size_t tenth = total.size() / 10;
+  double first = 0, last = 0;
+  for (std::size_t k = 1; k <= tenth; ++k)
+    first += total[k] / tenth, last += total[total.size() - k] / tenth;
+  EXPECT_NEAR(last / first, 1.0, 2e-4);
+}
+
+TEST(Energy, UndampedWeaveKeepsItsEnergyToSecondOrder) {
+  expectSecondOrder("-weave_fibres 4,4 -weave_segments 24", 12, 6000, 60);
+}
+
+TEST(Energy, DampedRelaxationIsAudited) {
+  expectSecondOrder("-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4", 12, 6000, 60);
+}
+
+TEST(Energy, ViscousDampingIsAuditedAndConservesMomentum) {
+  const Folder folder;
+  // Two crossing fibres within reach, one of them moving.
+  writeState(folder / "in.h5", {straightFibre({-60, 0, 0}, {1, 0, 0}, 10),
+                                straightFibre({0, -60, 18}, {0, 1, 0}, 10)});
+  const std::string common =
+      "-scene file -scene_file in.h5 -damping_viscous 20 -damping_viscous_angular 200 "
+      "-bc push -push_region -1000,-1000,-1,1000,1000,1 -push_force 0,0.01,0 ";
+  double errors[2], damped = 0;
+  for (int k = 0; k < 2; ++k) {
+    const auto outcome =
+        run(folder, common + "-ts_dt " + (k ? "2.5" : "5") +
+                        " -ts_max_time 5000 -energy_monitor ascii:energy.csv -monitor_interval 1 "
+                        "-state_output out.h5");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto csv = readCsv(folder / "energy.csv");
+    errors[k] = imbalance(csv);
+    damped = csv.at("damped").back();
+  }
+  EXPECT_GT(damped, 1e-3);  // so that there is something to audit
+  EXPECT_LT(errors[0], 0.02 * damped);
+  EXPECT_LT(errors[1], 0.6 * errors[0]);
+  // 10 segments pushed with 0.01 eV/A for 5000 fs: pair and viscous forces inside cancel.
+  const auto v = readDataset(folder / "out.h5", "/state/velocity");
+  double momentum[3] = {0, 0, 0};
+  for (std::size_t k = 0; k < v.size(); ++k) momentum[k % 3] += 2649 * 103.642697 * v[k];
+  EXPECT_NEAR(momentum[1], 10 * 0.01 * 5000, 1e-3);
+  EXPECT_NEAR(momentum[0], 0, 1e-8);
+  EXPECT_NEAR(momentum[2], 0, 1e-8);
+}
+
+TEST(Energy, FreeWeaveKeepsMomentumAndAngularMomentum) {
+  const Folder folder;
+  const auto outcome = run(folder,
+                           "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 -ts_dt 10 "
+                           "-ts_max_steps 400 -state_output out.h5",
+                           2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto x = readDataset(folder / "out.h5", "/state/position"),
+             v = readDataset(folder / "out.h5", "/state/velocity"),
+             w = readDataset(folder / "out.h5", "/state/angular_velocity");
+  Vec3d momentum, angular;
+  double size = 0, spin = 0;
+  const double inertia = 2649 * 6.78 * 6.78;
+  for (std::size_t i = 0; i < x.size(); i += 3) {
+    const Vec3d r{x[i], x[i + 1], x[i + 2]}, p = 2649.0 * Vec3d{v[i], v[i + 1], v[i + 2]};
+    const Vec3d l = cross(r, p) + inertia * Vec3d{w[i], w[i + 1], w[i + 2]};
+    momentum += p;
+    angular += l;
+    size += norm(p);
+    spin += norm(l);
+  }
+  EXPECT_LT(norm(momentum), 1e-10 * size);
+  EXPECT_LT(norm(angular), 1e-10 * spin);
+}
+
+TEST(Energy, TensionWithBreakageIsAudited) {
+  // Fast pulling, so that bonds break soon; the account of the broken bonds' energy must close too.
+  const std::string options =
+      "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -tension_rate 2e-5 -tension_ramp "
+      "2000 "
+      "-tension_grip 40 -tension_max_strain 0.6 -break_strain_mean 0.15 -break_strain_std 0.02 "
+      "-energy_monitor ascii:energy.csv -stress_monitor ascii:stress.csv -monitor_interval 10 ";
+  double errors[2];
+  for (int k = 0; k < 2; ++k) {
+    const Folder folder;
+    const auto outcome = run(folder, options + "-ts_dt " + (k ? "3" : "6"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto csv = readCsv(folder / "energy.csv");
+    errors[k] = imbalance(csv) / csv.at("external").back();
+    EXPECT_GT(readCsv(folder / "stress.csv").at("broken_bonds").back(), 4);
+    EXPECT_GT(csv.at("broken").back(), 100);
+  }
+  EXPECT_LT(errors[0], 0.02);
+  EXPECT_LT(errors[1], 0.5 * errors[0]);
+}
+
+}  // namespace
+}  // namespace nanoweft::test
