@@ -17,7 +17,7 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   constexpr long most = 9000000000000000;
   OptionSection run(options, "Run");
   r.restart = run.text("restart", "", "go on from this checkpoint; steps and time count on");
-  r.dt = run.maybeReal("ts_dt", "20 fs in nano, 0.4 of the stable limit in si", units.time,
+  r.dt = run.maybeReal("ts_dt", "20 in nano, 0.4 of the stable limit in si", units.time,
                        "time step", positive);
   r.unsafeStep = run.flag("ts_dt_unsafe", false, "allow a step beyond the stable limit");
   r.maxSteps =

@@ -145,9 +145,8 @@ void Options::printHelp(MPI_Comm comm) const {
   for (const Topic& topic : topics_) {
     PetscPrintf(comm, "\n%s\n", topic.title.c_str());
     for (const Entry& e : topic.entries) {
-      const std::string unit = e.unit.empty() ? "" : " " + e.unit;
-      PetscPrintf(comm, "  -%s <%s%s>: %s\n", e.name.c_str(), e.value.c_str(), unit.c_str(),
-                  e.help.c_str());
+      const std::string unit = e.unit.empty() ? "" : " [" + e.unit + "]";
+      PetscPrintf(comm, "  -%s <%s>%s: %s\n", e.name.c_str(), e.value.c_str(), unit.c_str(), e.help.c_str());
     }
   }
   PetscPrintf(comm, "\n");

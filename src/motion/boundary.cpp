@@ -104,7 +104,7 @@ void Boundaries::readTension(Options& options, const UnitSystem& units, const Fi
   const std::string axis =
       s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
   t.axis = axis[0] - 'x';
-  t.rate = s.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(),
+  t.rate = s.maybeReal("tension_rate", "2e-7 in nano, 2e8 in si", perTime.c_str(),
                        "engineering strain rate; turns the test on", positive)
                .value_or(2e8 * units.secondsPerTime);
   t.ramp = s.maybeReal("tension_ramp", "0.01 strain at full rate", units.time,
@@ -117,7 +117,7 @@ void Boundaries::readTension(Options& options, const UnitSystem& units, const Fi
   t.width = s.maybeReal("tension_width", "measured at the start", units.length,
                         "width of the fabric, for the stress", positive)
                 .value_or(0.0);
-  t.thickness = s.maybeReal("tension_thickness", "17.1 A", units.length,
+  t.thickness = s.maybeReal("tension_thickness", "17.1 in nano, 17.1e-10 in si", units.length,
                             "thickness of the fabric, for the stress", positive)
                     .value_or(17.1e-10 / (units.name == "si" ? 1.0 : 1e-10));
   if (!wanted) return;
