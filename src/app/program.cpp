@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "nanoweft/app/signals.hpp"
@@ -37,11 +39,35 @@ int threadsPerRank(MPI_Comm comm) {
   return usable < cores ? usable : std::max(1, usable / ranks);
 }
 
-/// PETSc would leave all ranks but the first waiting for an options file that is not there.
-std::string missingOptionsFile(int argc, char** argv) {
-  for (int k = 1; k + 1 < argc; ++k)
-    if (!std::strcmp(argv[k], "-options_file") && !std::ifstream(argv[k + 1]))
-      return std::string("-options_file ") + argv[k + 1] + ": cannot be read";
+/// What is wrong with an options file, or nothing. PETSc itself would leave all ranks but the first
+/// waiting for a file that is not there or has a line that is no option.
+std::string problemInOptionsFile(const std::string& file, int depth) {
+  const std::string what = "-options_file " + file + ": ";
+  std::error_code code;
+  std::ifstream in(file);
+  if (!in || std::filesystem::is_directory(file, code)) return what + "cannot be read";
+  if (depth > 10) return what + "files that include each other";
+  if (file.ends_with(".yaml") || file.ends_with(".yml")) return "";
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    if (line.find('\0') != std::string::npos) return what + "is not a text file";
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string name, value;
+    if (!(words >> name)) continue;
+    if (name[0] != '-' && name != "alias")
+      return what + format("line %d: '%s' is no option (options begin with -)", number, name.substr(0, 40).c_str());
+    if (name == "-options_file" && words >> value)
+      if (const std::string problem = problemInOptionsFile(value, depth + 1); !problem.empty()) return problem;
+  }
+  return "";
+}
+
+std::string problemInOptionsFiles(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    if (std::strcmp(argv[k], "-options_file")) continue;
+    if (k + 1 == argc) return "-options_file needs the name of a file";
+    if (const std::string problem = problemInOptionsFile(argv[k + 1], 0); !problem.empty()) return problem;
+  }
   return "";
 }
 
@@ -55,6 +81,12 @@ int runWithPetsc(MPI_Comm comm, int rank) {
     const int threads = threadsPerRank(comm);
     omp_set_dynamic(0);
     omp_set_num_threads(threads);
+    PetscBool versionOnly;
+    petsc(PetscOptionsHasName(nullptr, nullptr, "-version", &versionOnly));
+    if (versionOnly) {
+      PetscPrintf(comm, "nanoweft %s\n", NANOWEFT_VERSION);
+      return 0;
+    }
     Options options;
     Simulation simulation(comm, options, threads);
     if (!simulation.runnable()) return 0;
@@ -80,10 +112,10 @@ int runProgram(int argc, char** argv) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   int status;
   try {
-    agree<InputError>(MPI_COMM_WORLD, rank == 0 ? missingOptionsFile(argc, argv) : "");
+    agree<InputError>(MPI_COMM_WORLD, rank == 0 ? problemInOptionsFiles(argc, argv) : "");
     keepPetscErrors();
     if (PetscInitialize(&argc, &argv, nullptr, help) != 0) {
-      report(0, "the options cannot be read", 1);
+      report(rank, "the options cannot be read", 1);
       MPI_Abort(MPI_COMM_WORLD, 1);
     }
     status = runWithPetsc(PETSC_COMM_WORLD, rank);

@@ -1,0 +1,538 @@
+/// Bad input and failed runs, as a user meets them: one clear line, the right exit status on any
+/// number of ranks, no file lost.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <regex>
+
+#include "nanoweft/base/hdf5.hpp"
+#include "support/program.hpp"
+
+using namespace nanoweft;
+using namespace nanoweft::test;
+
+namespace {
+
+// mpirun otherwise sleeps for two seconds after each status that is not 0.
+[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
+
+const std::string fibre = "-scene fibre -fibre_segments 12 -ts_max_steps 2 ";
+const std::string weave = "-scene weave -weave_fibres 4,4 -weave_segments 24 -ts_max_steps 2 ";
+const std::string fromFile = "-scene file -scene_file in.h5 -ts_max_steps 2 ";
+
+void writeText(const std::string& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// Every file of the folder but the program's output, with its bytes.
+std::map<std::string, std::string> contents(const Folder& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path()))
+    if (const auto name = entry.path().lexically_relative(folder.path()).string();
+        name != "out.txt")
+      files[name] = entry.is_regular_file() ? readFile(entry.path().string()) : "";
+  return files;
+}
+
+void expectClean(const std::string& output) {
+  for (const char* word : {"internal error", "PETSC ERROR", "HDF5-DIAG", "terminate called",
+                           "Segmentation", "MPI_ABORT"})
+    EXPECT_EQ(output.find(word), std::string::npos) << word << " in:\n" << output;
+}
+
+/// One line "nanoweft: error: ..." that holds all fragments, and the status 1.
+void expectRefused(const Outcome& outcome, const std::vector<std::string>& fragments) {
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_TRUE(outcome.output.starts_with("nanoweft: error: ")) << outcome.output;
+  EXPECT_EQ(std::ranges::count(outcome.output, '\n'), 1) << outcome.output;
+  for (const std::string& fragment : fragments)
+    EXPECT_NE(outcome.output.find(fragment), std::string::npos)
+        << "no '" << fragment << "' in: " << outcome.output;
+  expectClean(outcome.output);
+}
+
+/// in.h5: one straight fibre of 12 segments, as an outsider would write it.
+void good(const Folder& folder) {
+  writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 12)});
+}
+
+/// Puts a dataset into in.h5, in the place of the one it has.
+void put(const Folder& folder, const std::string& name, std::vector<hsize_t> shape,
+         const std::vector<double>& values) {
+  h5::silence();
+  h5::Handle f(H5Fopen((folder / "in.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  const std::string path = "state/" + name;
+  H5Ldelete(f, path.c_str(), H5P_DEFAULT);
+  if (shape.empty()) return;
+  h5::Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                   H5Sclose);
+  h5::Handle set(
+      H5Dcreate2(f, path.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+}
+
+/// Changes one number of in.h5.
+void change(const Folder& folder, const std::string& name, hsize_t columns, std::size_t at,
+            double value) {
+  good(folder);
+  auto values = readDataset(folder / "in.h5", "state/" + name);
+  values[at] = value;
+  const hsize_t rows = values.size() / columns;
+  put(folder, name, columns == 1 ? std::vector<hsize_t>{rows} : std::vector<hsize_t>{rows, columns},
+      values);
+}
+
+void attribute(const Folder& folder, const char* name, const auto& value) {
+  good(folder);
+  h5::Handle f(H5Fopen((folder / "in.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
+  H5Adelete(group, name);
+  h5::writeAttribute(group, name, value);
+}
+
+void emptyHdf5(const std::string& file) {
+  h5::Handle f(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  h5::Handle group(H5Gcreate2(f, "results", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+}
+
+void truncated(const Folder& folder) {
+  good(folder);
+  std::filesystem::resize_file(folder / "in.h5", std::filesystem::file_size(folder / "in.h5") / 2);
+}
+
+/// Two fibres that cross 5 A apart, at segment 6 of the one and segment 4 of the other.
+void crossing(const Folder& folder) {
+  writeState(folder / "in.h5", {straightFibre({-6 * 13.56, 0, 0}, {1, 0, 0}, 13),
+                                straightFibre({0, -4 * 13.56, 5}, {0, 1, 0}, 9)});
+}
+
+struct Case {
+  std::string name, options;
+  std::vector<std::string> fragments;
+  std::function<void(const Folder&)> prepare = {};
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+/// An input file `name` with this text.
+auto text(std::string name, std::string content) {
+  return [=](const Folder& folder) { writeText(folder / name, content); };
+}
+
+const std::vector<Case> cases = {
+    // Files that are missing, damaged or foreign.
+    {"MissingOptionsFile", "-options_file nowhere.opts", {"-options_file nowhere.opts"}},
+    {"MissingOptionsFileInOptionsFile",
+     "-options_file run.opts",
+     {"nowhere.opts"},
+     text("run.opts", "-options_file nowhere.opts\n")},
+    {"OptionsFileWithoutDash",
+     "-options_file run.opts",
+     {"run.opts"},
+     text("run.opts", "-scene fibre\nts_max_steps 2\n")},
+    {"OptionsFileTwoOnALine",
+     "-options_file run.opts",
+     {"run.opts"},
+     text("run.opts", "-scene fibre -ts_max_steps 2\n")},
+    {"OptionsFileOfItself",
+     "-options_file run.opts",
+     {"run.opts"},
+     text("run.opts", "-ts_max_steps 2\n-options_file run.opts\n")},
+    {"OptionsFileBinary",
+     "-options_file run.opts -ts_max_steps 2",
+     {"run.opts"},
+     text("run.opts", std::string("\0\1\2\xff rubbish\n", 13))},
+    {"MissingSceneFile",
+     "-scene file -scene_file nowhere.h5 -ts_max_steps 2",
+     {"nowhere.h5", "does not exist"}},
+    {"NoSceneFile", "-scene file -ts_max_steps 2", {"-scene_file"}},
+    {"MissingRestart", fibre + "-restart nowhere.h5", {"nowhere.h5", "does not exist"}},
+    {"FolderAsRestart", fibre + "-restart .", {"it is a folder"}},
+    {"TruncatedSceneFile", fromFile, {"state file in.h5 cannot be used", "HDF5"}, truncated},
+    {"TruncatedRestart",
+     fibre + "-restart in.h5",
+     {"state file in.h5 cannot be used", "HDF5"},
+     truncated},
+    {"TextAsStateFile",
+     fromFile,
+     {"state file in.h5 cannot be used", "HDF5"},
+     text("in.h5", "fibre x y z\n1 0 0 0\n")},
+    {"EmptyStateFile", fromFile, {"state file in.h5 cannot be used", "HDF5"}, text("in.h5", "")},
+    {"ForeignHdf5", fromFile, {"in.h5", "/state"}, [](const Folder& f) { emptyHdf5(f / "in.h5"); }},
+    {"OtherFormat",
+     fromFile,
+     {"in.h5", "format", "nanoweft-state"},
+     [](const Folder& f) { attribute(f, "format", std::string("other-state")); }},
+    {"OtherVersion",
+     fromFile,
+     {"in.h5", "version"},
+     [](const Folder& f) { attribute(f, "version", std::vector<std::int64_t>{2}); }},
+    {"OtherUnits",
+     fromFile,
+     {"in.h5", "units si", "-units nano"},
+     [](const Folder& f) { attribute(f, "units", std::string("si")); }},
+    {"BoxNotANumber",
+     fromFile,
+     {"in.h5", "lower"},
+     [](const Folder& f) {
+       attribute(f, "lower", std::vector<double>(3, std::numeric_limits<double>::quiet_NaN()));
+     }},
+    {"MissingDataset",
+     fromFile,
+     {"in.h5", "/state/index", "missing"},
+     [](const Folder& f) { good(f), put(f, "index", {}, {}); }},
+    {"WrongShape",
+     fromFile,
+     {"in.h5", "/state/orientation", "[N, 4]"},
+     [](const Folder& f) {
+       good(f), put(f, "orientation", {12, 3}, std::vector<double>(36));
+     }},
+    {"WrongRows",
+     fromFile,
+     {"in.h5", "/state/velocity", "[N, 3]"},
+     [](const Folder& f) {
+       good(f), put(f, "velocity", {11, 3}, std::vector<double>(33));
+     }},
+    {"NoSegments",
+     fromFile,
+     {"in.h5", "/state/position"},
+     [](const Folder& f) {
+       good(f), put(f, "position", {0, 3}, {});
+     }},
+    {"RowsOutOfOrder",
+     fromFile,
+     {"in.h5", "row 5", "index 7", "ordered"},
+     [](const Folder& f) { change(f, "index", 1, 5, 7); }},
+    {"PositionNotANumber",
+     fromFile,
+     {"in.h5", "row 7", "fibre 0", "index 7", "position"},
+     [](const Folder& f) {
+       change(f, "position", 3, 22, std::numeric_limits<double>::quiet_NaN());
+     }},
+    {"NoUnitQuaternion",
+     fromFile,
+     {"in.h5", "row 0", "unit quaternion", "norm"},
+     [](const Folder& f) { change(f, "orientation", 4, 0, 2); }},
+    {"UnknownFibreClosed",
+     fromFile,
+     {"in.h5", "fibre_closed", "77"},
+     [](const Folder& f) { good(f), put(f, "fibre_closed", {1}, {77}); }},
+    {"ClosedFibreOfTwo",
+     fromFile,
+     {"in.h5", "fibre_closed", "three"},
+     [](const Folder& f) {
+       writeState(f / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 2)});
+       put(f, "fibre_closed", {1}, {0});
+     }},
+    // Options that are unknown, or mean nothing in this run.
+    {"Misspelt", fibre + "-ts_max_stps 3", {"-ts_max_stps", "-ts_max_steps"}},
+    {"StrayWord", fibre + "extra", {"extra"}},
+    {"PitchOfFileScene",
+     fromFile + "-weave_pitch 60",
+     {"-weave_pitch", "not used", "-scene is not weave"},
+     good},
+    {"SpliceWithoutPairs",
+     fibre + "-pair none -vdw_splice kink",
+     {"-vdw_splice", "not used", "-pair is none"}},
+    {"StressWithoutTension",
+     fibre + "-stress_monitor ascii:stress.csv",
+     {"-stress_monitor", "-tension_rate"}},
+    // Values that are none.
+    {"StepIsAWord", fibre + "-ts_dt abc", {"-ts_dt 'abc'", "number"}},
+    {"StepIsNegative", fibre + "-ts_dt -1", {"-ts_dt -1", "above 0"}},
+    {"StepWithoutValue", fibre + "-ts_dt", {"-ts_dt", "number"}},
+    {"HalfASegmentMore", fibre + "-ts_max_steps 1.5", {"-ts_max_steps '1.5'", "whole number"}},
+    {"TenPoints", fibre + "-pair_points 10", {"-pair_points 10", "1 to 9"}},
+    {"NoPoints", fibre + "-pair_points 0", {"-pair_points 0", "1 to 9"}},
+    {"DampingOfTwo", fibre + "-damping_local 2", {"-damping_local 2", "at most 1"}},
+    {"OneNumberOfFibres", weave + "-weave_fibres 3", {"-weave_fibres '3'", "2 numbers"}},
+    {"TwoDirections", fibre + "-domain_periodic 1,1", {"-domain_periodic '1,1'", "three"}},
+    {"RoundSplice", fibre + "-vdw_splice round", {"-vdw_splice 'round'", "smooth|kink"}},
+    {"PairNothing", fibre + "-pair nothing", {"-pair 'nothing'", "vdw", "none"}},
+    {"SceneNothing", "-scene nothing -ts_max_steps 2", {"-scene 'nothing'", "weave|fibre|file"}},
+    {"ForeignViewer",
+     fibre + "-energy_monitor hdf5:old.h5",
+     {"-energy_monitor", "ascii or draw"},
+     [](const Folder& f) {
+       writeState(f / "old.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 12)});
+     }},
+    // Runs that make no sense.
+    {"NoEnd", "-scene fibre -fibre_segments 12", {"no end", "-ts_max_steps", "-tension_rate"}},
+    {"StepTooLarge", weave + "-ts_dt 60", {"-ts_dt 60", "stable step", " fs", "-ts_dt_unsafe"}},
+    {"Overlap",
+     fromFile,
+     {"fibre 0 segment 6", "fibre 1 segment 4", "5 A", "-pair_allow_overlap"},
+     crossing},
+    {"ThinBox", fibre + "-domain_periodic 0,1,0", {"periodic box", "along y", "108.48"}},
+    {"OddPeriodicWeave", weave + "-weave_periodic -weave_fibres 3,4", {"-weave_fibres", "even"}},
+    {"RegionWithoutMembers",
+     fibre + "-bc hold -hold_region 900,900,900,901,901,901 -hold_fix 1,1,1",
+     {"-bc hold", "no segment", "region"}},
+    {"BoundaryWithoutAction",
+     fibre + "-bc hold -hold_region -9,-9,-9,9,9,9",
+     {"-bc hold", "-hold_fix", "-hold_force"}},
+    {"BoundaryWithoutMembers",
+     fibre + "-bc hold -hold_fix 1,1,1",
+     {"-bc hold", "-hold_region", "-hold_group"}},
+    {"LongGrips", fibre + "-tension_rate 1e-6 -tension_grip 100", {"-tension_grip 100", "149.16"}},
+    // Output that must not be lost, or cannot be written.
+    {"ForeignStateOutput",
+     fibre + "-state_output notes.txt",
+     {"notes.txt", "not a nanoweft state file"},
+     text("notes.txt", "mine\n")},
+    {"ForeignCheckpoint",
+     fibre + "-checkpoint_file other.h5",
+     {"other.h5", "not a nanoweft state file"},
+     [](const Folder& f) { emptyHdf5(f / "other.h5"); }},
+    {"DamagedStateOutput",
+     fibre + "-state_output in.h5",
+     {"in.h5", "not a nanoweft state file"},
+     truncated},
+    {"ForeignMonitor",
+     fibre + "-energy_monitor ascii:notes.txt",
+     {"notes.txt"},
+     text("notes.txt", "mine\n")},
+    {"ForeignSnapshot",
+     fibre + "-snapshot_file traj",
+     {"traj_0000000000.h5"},
+     text("traj_0000000000.h5", "mine\n")},
+    {"ForeignSnapshotIndex",
+     fibre + "-snapshot_file traj",
+     {"traj.xdmf"},
+     text("traj.xdmf", "mine\n")},
+    {"FolderAsStateOutput", fibre + "-state_output .", {"folder"}},
+    {"StateBelowAFile",
+     fibre + "-state_output plain/final.h5",
+     {"plain", "folder"},
+     text("plain", "mine\n")},
+    {"CheckpointBelowAFile",
+     fibre + "-checkpoint_file plain/deep/c.h5",
+     {"plain", "folder"},
+     text("plain", "mine\n")},
+    {"SnapshotBelowAFile",
+     fibre + "-snapshot_file plain/traj",
+     {"plain", "folder"},
+     text("plain", "mine\n")},
+    {"StateInUnwritableFolder", fibre + "-state_output /proc/final.h5", {"/proc/final.h5"}},
+    {"CheckpointInUnwritableFolder", fibre + "-checkpoint_file /proc/c.h5", {"/proc/c.h5"}},
+    {"MonitorInUnwritableFolder",
+     fibre + "-energy_monitor ascii:/proc/energy.csv",
+     {"/proc/energy.csv"}},
+    {"TwoMonitorsInOneFile",
+     fibre + "-tension_rate 1e-6 -tension_grip 20 -tension_width 10 -energy_monitor ascii:both.csv "
+             "-stress_monitor ascii:both.csv",
+     {"both.csv"}},
+    {"MonitorBelowAFile",
+     fibre + "-energy_monitor ascii:plain/energy.csv",
+     {"plain", "folder"},
+     text("plain", "mine\n")},
+};
+
+class BadInput : public testing::TestWithParam<std::tuple<Case, int>> {};
+
+TEST_P(BadInput, IsRefused) {
+  const auto& [c, ranks] = GetParam();
+  SCOPED_TRACE(c.options);
+  const Folder folder;
+  if (c.prepare) c.prepare(folder);
+  // What an earlier run left, under the names that this one would write to.
+  std::string outputs;
+  auto output = [&](const std::string& option, const std::string& value) {
+    if (c.options.find(option) == std::string::npos) outputs += " " + option + " " + value;
+  };
+  writeText(folder / "energy.csv", "step,time_fs,of,an,earlier,run\n0,1,2,3,4,5\n");
+  writeState(folder / "final.h5", {straightFibre({0, 0, 0}, {0, 1, 0}, 3)});
+  output("-energy_monitor", "ascii:energy.csv");
+  output("-state_output", "final.h5");
+  output("-checkpoint_file", "final.h5");
+  const auto before = contents(folder);
+  expectRefused(run(folder, c.options + outputs, ranks), c.fragments);
+  const auto after = contents(folder);
+  for (const auto& [name, bytes] : before)
+    EXPECT_TRUE(after.contains(name) && after.at(name) == bytes) << name << " has changed";
+  for (const auto& [name, bytes] : after)
+    EXPECT_TRUE(before.contains(name)) << name << " was left behind";
+}
+
+std::string caseName(const testing::TestParamInfo<BadInput::ParamType>& info) {
+  return std::get<0>(info.param).name + "On" + std::to_string(std::get<1>(info.param));
+}
+
+/// The first of each kind, for two ranks.
+std::vector<Case> some() {
+  std::vector<Case> chosen;
+  for (const Case& c : cases)
+    for (const char* name : {"MissingOptionsFile", "MissingRestart", "TruncatedSceneFile",
+                             "PositionNotANumber", "RowsOutOfOrder", "Misspelt", "StepTooLarge",
+                             "Overlap", "RegionWithoutMembers", "ForeignStateOutput"})
+      if (c.name == name) chosen.push_back(c);
+  return chosen;
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, BadInput,
+                         testing::Combine(testing::ValuesIn(cases), testing::Values(1, 4)),
+                         caseName);
+INSTANTIATE_TEST_SUITE_P(Some, BadInput,
+                         testing::Combine(testing::ValuesIn(some()), testing::Values(2)), caseName);
+
+class OnRanks : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Robust, OnRanks, testing::Values(1, 4), testing::PrintToStringParamName());
+
+/// Where the first chunk of a dataset lies in the file.
+std::size_t middleOfChunk(const std::string& file, const std::string& name) {
+  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  h5::Handle set(H5Dopen2(f, name.c_str(), H5P_DEFAULT), H5Dclose);
+  h5::Handle space(H5Dget_space(set), H5Sclose);
+  hsize_t offset[2], size = 0;
+  unsigned filters;
+  haddr_t address = HADDR_UNDEF;
+  if (H5Dget_chunk_info(set, space, 0, offset, &filters, &address, &size) < 0)
+    throw std::runtime_error("no chunk of " + name);
+  return static_cast<std::size_t>(address + size / 2);
+}
+
+TEST_P(OnRanks, FlippedByteIsRefused) {
+  const Folder folder;
+  ASSERT_EQ(run(folder, fibre + "-state_output good.h5").status, 0);
+  const std::string bytes = readFile(folder / "good.h5");
+  for (const std::string name : {"position", "orientation", "index", "velocity", "bond_broken"}) {
+    SCOPED_TRACE(name);
+    std::string damaged = bytes;
+    damaged[middleOfChunk(folder / "good.h5", "state/" + name)] ^= 1;
+    writeText(folder / "in.h5", damaged);
+    expectRefused(run(folder, fromFile, GetParam()),
+                  {"state file in.h5 cannot be used", "/state/" + name});
+    if (name == "position")
+      expectRefused(run(folder, fibre + "-restart in.h5 -state_output in.h5", GetParam()),
+                    {"state file in.h5 cannot be used", "/state/" + name});
+    EXPECT_EQ(readFile(folder / "in.h5"), damaged);
+  }
+}
+
+/// A state file damaged inside is no more to be overwritten than a truncated one.
+TEST_P(OnRanks, DamagedOutputIsKept) {
+  const Folder folder;
+  ASSERT_EQ(run(folder, fibre + "-state_output good.h5").status, 0);
+  std::string damaged = readFile(folder / "good.h5");
+  damaged[middleOfChunk(folder / "good.h5", "state/position")] ^= 1;
+  writeText(folder / "in.h5", damaged);
+  expectRefused(run(folder, fibre + "-state_output in.h5", GetParam()), {"in.h5"});
+  EXPECT_EQ(readFile(folder / "in.h5"), damaged);
+}
+
+TEST_P(OnRanks, StepTooLargeNamesTheLimitAndCanBeForced) {
+  const Folder folder;
+  const Outcome refused = run(folder, weave + "-ts_dt 60", GetParam());
+  std::smatch found;
+  ASSERT_TRUE(
+      std::regex_search(refused.output, found, std::regex("stable step[^,]*, ([0-9.]+) fs")))
+      << refused.output;
+  const double limit = std::stod(found[1]);
+  EXPECT_GT(limit, 30.0);
+  EXPECT_LT(limit, 60.0);
+  const Outcome forced = run(folder, weave + "-ts_dt 60 -ts_dt_unsafe -ts_max_steps 1", GetParam());
+  EXPECT_EQ(forced.status, 0) << forced.output;
+  expectClean(forced.output);
+}
+
+/// Stops with status 2 and says where and when; returns the step it names.
+std::smatch expectUnstable(const Outcome& outcome) {
+  EXPECT_EQ(outcome.status, 2) << outcome.output;
+  expectClean(outcome.output);
+  EXPECT_EQ(outcome.output.find("nanoweft: error: "), outcome.output.rfind("nanoweft: error: "))
+      << outcome.output;
+  static std::string line;
+  line = outcome.output.substr(
+      std::min(outcome.output.size(), outcome.output.find("nanoweft: error: ")));
+  std::smatch found;
+  EXPECT_TRUE(std::regex_search(
+      line, found, std::regex("unstable at step ([0-9]+): fibre [0-9]+ segment [0-9]+ .*")))
+      << outcome.output;
+  return found;
+}
+
+TEST_P(OnRanks, UnstableRunWithoutCheckpointSaysSo) {
+  const Folder folder;
+  expectUnstable(run(folder, weave + "-ts_dt 80 -ts_dt_unsafe -ts_max_steps 5000", GetParam()));
+  EXPECT_NE(readFile(folder / "out.txt").find("no checkpoint"), std::string::npos);
+}
+
+TEST_P(OnRanks, UnstableRunLeavesAGoodCheckpoint) {
+  const Folder folder;
+  const Outcome outcome = run(
+      folder,
+      weave +
+          "-ts_dt 80 -ts_dt_unsafe -ts_max_steps 5000 -checkpoint_file c.h5 -checkpoint_interval 1",
+      GetParam());
+  const std::smatch unstable = expectUnstable(outcome);
+  ASSERT_EQ(unstable.size(), 2u);
+  std::smatch named;
+  ASSERT_TRUE(std::regex_search(outcome.output, named,
+                                std::regex("checkpoint c\\.h5 of step ([0-9]+) is good")))
+      << outcome.output;
+  EXPECT_LT(std::stol(named[1]), std::stol(unstable[1]));
+  for (const char* name : {"position", "orientation", "velocity", "angular_velocity"})
+    for (double x : readDataset(folder / "c.h5", std::string("state/") + name))
+      ASSERT_TRUE(std::isfinite(x)) << name;
+  const Outcome again =
+      run(folder, weave + "-restart c.h5 -ts_max_steps " + named[1].str(), GetParam());
+  EXPECT_EQ(again.status, 0) << again.output;
+  EXPECT_NE(again.output.find("restart from c.h5 at step " + named[1].str()), std::string::npos)
+      << again.output;
+  expectClean(again.output);
+}
+
+/// What is called good can be gone on from: with a step that is stable, the run goes on.
+TEST_P(OnRanks, CheckpointOfAnUnstableRunGoesOn) {
+  const Folder folder;
+  expectUnstable(run(
+      folder,
+      weave +
+          "-ts_dt 80 -ts_dt_unsafe -ts_max_steps 5000 -checkpoint_file c.h5 -checkpoint_interval 1",
+      GetParam()));
+  const Outcome again = run(
+      folder, weave + "-restart c.h5 -ts_dt 5 -damping_local 0.4 -ts_max_steps 200", GetParam());
+  EXPECT_EQ(again.status, 0) << again.output;
+}
+
+/// Whether such a box is refused or works: it is no internal error.
+TEST_P(OnRanks, HugePeriodicBoxIsNoInternalError) {
+  const Folder folder;
+  const Outcome outcome =
+      run(folder,
+          fibre + "-domain_lower -1e9,-1e9,-1e9 -domain_upper 1e9,1e9,1e9 -domain_periodic 1,1,1",
+          GetParam());
+  EXPECT_TRUE(outcome.status == 0 || outcome.status == 1) << outcome.status;
+  expectClean(outcome.output);
+}
+
+/// A disk that fills up must not pass for a complete table.
+TEST_P(OnRanks, FullDiskIsNoSuccess) {
+  const Folder folder;
+  EXPECT_NE(run(folder, fibre + "-energy_monitor ascii:/dev/full", GetParam()).status, 0);
+}
+
+/// Both questions that a newcomer asks first are no error.
+TEST(Asking, HelpAndVersionAreNoError) {
+  const Folder folder;
+  const Outcome help = run(folder, "-help", 2);
+  EXPECT_EQ(help.status, 0) << help.output;
+  for (const char* option :
+       {"-ts_dt <", "-scene <", "-weave_fibres <", "-tension_rate <", "-checkpoint_file <"})
+    EXPECT_NE(help.output.find(option), std::string::npos) << option;
+  EXPECT_EQ(help.output.find("nanoweft: "), help.output.rfind("nanoweft: "))
+      << help.output;  // its title alone
+  const Outcome version = run(folder, "-version", 2);
+  EXPECT_EQ(version.status, 0) << version.output;
+}
+
+}  // namespace
