@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -55,18 +56,33 @@ std::string problemInOptionsFile(const std::string& file, int depth) {
     std::string name, value;
     if (!(words >> name)) continue;
     if (name[0] != '-' && name != "alias")
-      return what + format("line %d: '%s' is no option (options begin with -)", number, name.substr(0, 40).c_str());
-    if (name == "-options_file" && words >> value)
-      if (const std::string problem = problemInOptionsFile(value, depth + 1); !problem.empty()) return problem;
+      return what + format("line %d: '%s' is no option (options begin with -)", number,
+                           name.substr(0, 40).c_str());
+    std::string rest;
+    words >> value;
+    if (words >> rest && name != "alias" && value[0] != '"' && value[0] != '\'')
+      return what + format("line %d: '%s' after the value; one option on a line", number,
+                           rest.substr(0, 40).c_str());
+    if (name == "-options_file" && !value.empty())
+      if (const std::string problem = problemInOptionsFile(value, depth + 1); !problem.empty())
+        return problem;
   }
   return "";
 }
 
-std::string problemInOptionsFiles(int argc, char** argv) {
+bool isOption(const char* word) {
+  return word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
+}
+
+std::string problemInArguments(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
+    if (!isOption(argv[k]) && (k == 1 || !isOption(argv[k - 1])))
+      return std::string("'") + argv[k] +
+             "' is no option; option files are given with -options_file NAME";
     if (std::strcmp(argv[k], "-options_file")) continue;
     if (k + 1 == argc) return "-options_file needs the name of a file";
-    if (const std::string problem = problemInOptionsFile(argv[k + 1], 0); !problem.empty()) return problem;
+    if (const std::string problem = problemInOptionsFile(argv[k + 1], 0); !problem.empty())
+      return problem;
   }
   return "";
 }
@@ -112,7 +128,7 @@ int runProgram(int argc, char** argv) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   int status;
   try {
-    agree<InputError>(MPI_COMM_WORLD, rank == 0 ? problemInOptionsFiles(argc, argv) : "");
+    agree<InputError>(MPI_COMM_WORLD, rank == 0 ? problemInArguments(argc, argv) : "");
     keepPetscErrors();
     if (PetscInitialize(&argc, &argv, nullptr, help) != 0) {
       report(rank, "the options cannot be read", 1);

@@ -60,6 +60,9 @@ void Simulation::printHeader() const {
   if (restartHeader_)
     PetscPrintf(comm_, "  restart from %s at step %lld\n", settings_.restart.c_str(),
                 static_cast<long long>(state_->step));
+  if (restartHeader_ && atEnd())
+    PetscPrintf(comm_,
+                "  nothing to do: the checkpoint is at or beyond the end that the options set\n");
 }
 
 void Simulation::printProgress() {

@@ -24,6 +24,12 @@ std::optional<StateHeader> readRestart(MPI_Comm comm, const std::string& file,
   return header;
 }
 
+/// What must not change from a checkpoint to its restart.
+std::vector<double> fibreFingerprint(const Fibre& f) {
+  return {f.radius,       f.length,     f.mass,         f.inertia,
+          f.bond.stretch, f.bond.shear, f.bond.bending, f.bond.torsion};
+}
+
 std::string timeColumn(const UnitSystem& units) {
   return std::string("time_") + units.time;
 }
@@ -86,7 +92,14 @@ void Simulation::checkOutputs() const {
     if (file.empty()) continue;
     makeParentFolder(comm_, file);
     refuseForeignTarget(comm_, file);
+    requireWritable(comm_, file);
   }
+  energyMonitor_.check(comm_);
+  stressMonitor_.check(comm_);
+  if (const std::string file = energyMonitor_.fileName();
+      !file.empty() && file == stressMonitor_.fileName())
+    throw InputError("-energy_monitor and -stress_monitor write to the same file " + file);
+  if (!settings_.snapshotFile.empty()) Snapshots::check(comm_, settings_.snapshotFile);
 }
 
 void Simulation::build() {
@@ -115,7 +128,14 @@ void Simulation::build() {
   if (!restartHeader_ && settings_.perturb > 0) perturb();
   const RunRecord empty;
   boundaries_.attach(*state_, restartHeader_ ? restartHeader_->run : empty);
-  if (restartHeader_) restoreAccounts();
+  if (restartHeader_) {
+    const auto& reals = restartHeader_->run.reals;
+    if (const auto it = reals.find("fibre");
+        it != reals.end() && it->second != fibreFingerprint(fibre_))
+      throw InputError("-restart " + settings_.restart +
+                       ": its fibres have other parameters than the options say (-fibre_...)");
+    restoreAccounts();
+  }
   firstStep_ = state_->step;
   firstTime_ = state_->time;
 
@@ -193,9 +213,11 @@ Ending Simulation::run() {
   begin();
   while (!atEnd() && !converged_ && !stopAsked_) step();
   if (stopAsked_) {
+    // Without a name given, one that takes no other file's place.
     const std::string file =
-        settings_.checkpointFile.empty() ? "checkpoint.h5" : settings_.checkpointFile;
-    refuseForeignTarget(comm_, file);
+        settings_.checkpointFile.empty()
+            ? format("checkpoint_%010lld.h5", static_cast<long long>(state_->step))
+            : settings_.checkpointFile;
     writeCheckpoint(file);
     PetscPrintf(comm_, "stopped by a signal at step %lld; go on with -restart %s\n",
                 static_cast<long long>(state_->step), file.c_str());
@@ -210,6 +232,8 @@ Ending Simulation::run() {
     what.forces = settings_.stateForces;
     writeState(settings_.stateOutput, *state_, units_, runRecord(), what);
   }
+  energyMonitor_.close();
+  stressMonitor_.close();
   printSummary();
   return Ending::done;
 }
@@ -224,6 +248,10 @@ void Simulation::begin() {
   pendingBreaks_ = outcome_.broken;
   energies_ = sumEnergies(*state_, *forces_, outcome_, accounts_);
   firstBalance_ = energies_->balance();
+  if (!std::isfinite(firstBalance_))
+    throw RunError(
+        "the energy of the first state is not a finite number: check the fibre's parameters and "
+        "the geometry");
   if (restartHeader_) {
     lastRecorded_ = state_->step;
   } else {
@@ -269,6 +297,7 @@ void Simulation::step() {
   if (request.energies) {
     const LogScope log(recordEvent_);
     energies_ = sumEnergies(*state_, *forces_, outcome_, accounts_);
+    if (!std::isfinite(energies_->total())) reportInstability();
   }
   if (monitored) record();
   if (relaxCheck) {
@@ -324,6 +353,7 @@ RunRecord Simulation::runRecord() const {
     record.integers[names[k]] = std::vector<std::int64_t>(sums[k].data(), sums[k].data() + 3);
   record.reals["relax_elastic"] = {lastElastic_};
   record.reals["tension_strength"] = {strength_};
+  record.reals["fibre"] = fibreFingerprint(fibre_);
   boundaries_.save(record);
   return record;
 }
@@ -346,8 +376,20 @@ void Simulation::restoreAccounts() {
 
 void Simulation::writeCheckpoint(const std::string& file) {
   const LogScope log(fileEvent_);
-  writeState(file, *state_, units_, runRecord());
+  try {
+    writeState(file, *state_, units_, runRecord());
+  } catch (const RunError& failure) {
+    throw RunError(std::string(failure.what()) + "; " + lastGoodCheckpoint());
+  }
   lastCheckpoint_ = state_->step;
+}
+
+std::string Simulation::lastGoodCheckpoint() const {
+  if (lastCheckpoint_ >= 0)
+    return format("the checkpoint %s of step %lld is good", settings_.checkpointFile.c_str(),
+                  static_cast<long long>(lastCheckpoint_));
+  return restartHeader_ ? "the checkpoint " + settings_.restart + " is good"
+                        : "there is no checkpoint yet";
 }
 
 void Simulation::reportInstability() {
@@ -373,17 +415,12 @@ void Simulation::reportInstability() {
   }
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_);
   MPI_Bcast(segment, 2, MPI_LONG_LONG, worst.rank, comm_);
-  std::string advice = lastCheckpoint_ >= 0 ? format("the checkpoint %s of step %lld is good",
-                                                     settings_.checkpointFile.c_str(),
-                                                     static_cast<long long>(lastCheckpoint_))
-                       : restartHeader_     ? "the checkpoint " + settings_.restart + " is good"
-                                            : "there is no checkpoint yet";
-  throw RunError(
-      format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s "
-             "(stable limit at the start %.4g); "
-             "take a smaller -ts_dt or more damping; %s",
-             static_cast<long long>(state_->step), segment[0], segment[1], worst.distance,
-             units_.length, verlet_->dt(), units_.time, presentLimit_, advice.c_str()));
+  throw RunError(format(
+      "unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s "
+      "(stable limit at the start %.4g); "
+      "take a smaller -ts_dt or more damping; %s",
+      static_cast<long long>(state_->step), segment[0], segment[1], worst.distance, units_.length,
+      verlet_->dt(), units_.time, presentLimit_, lastGoodCheckpoint().c_str()));
 }
 
 }  // namespace nanoweft

@@ -13,62 +13,83 @@ namespace nanoweft {
 
 namespace {
 
-/// Options that PETSc's own objects and PetscInitialize may read.
-constexpr std::string_view petscPrefixes[] = {
+/// Options that PetscInitialize and PETSc's own objects may read here.
+constexpr std::string_view petscNames[] = {
     "help",
-    "options_",
-    "log",
-    "malloc",
-    "memory_",
-    "info",
     "version",
-    "draw_",
-    "display",
-    "viewer_",
-    "sf_",
-    "vecscatter_",
-    "dm_",
-    "da_",
-    "mat_partitioning",
-    "mpi_",
-    "on_error_",
-    "error_",
-    "debug",
-    "start_in_debugger",
-    "stop_for_debugger",
-    "fp_trap",
-    "no_signal_handler",
     "skip_petscrc",
+    "options_file",
+    "options_file_yaml",
+    "options_string_yaml",
+    "options_left",
+    "options_view",
+    "options_monitor",
+    "options_monitor_cancel",
+    "options_suppress_deprecated_warnings",
     "citations",
-    "get_total_flops",
-    "petsc_",
-    "use_gpu_aware_mpi",
-    "shared_tmp",
-    "tmp",
-    "saws_",
-    "x_virtual",
-    "cuda_",
-    "hip_",
-    "device_",
-    "nox",
-    "checkfunctionlist",
+    "log",
+    "log_all",
+    "log_view",
+    "log_view_memory",
+    "log_trace",
+    "log_sync",
+    "log_mpe",
+    "log_exclude",
+    "log_include_actions",
+    "log_include_objects",
+    "info",
+    "info_exclude",
+    "malloc",
+    "malloc_debug",
+    "malloc_dump",
+    "malloc_hbw",
+    "malloc_test",
+    "malloc_view",
+    "malloc_view_threshold",
+    "malloc_requested_size",
+    "malloc_coalesce",
+    "memory_view",
+    "fp_trap",
+    "on_error_abort",
+    "on_error_attach_debugger",
+    "on_error_emacs",
+    "on_error_mpiabort",
+    "error_output_none",
+    "error_output_stdout",
+    "start_in_debugger",
+    "debugger_nodes",
+    "debugger_pause",
+    "debugger_ranks",
+    "debug_terminal",
+    "stop_for_debugger",
+    "no_signal_handler",
     "checkstack",
     "objects_dump",
-    "mpiuni-allow-multiprocess-launch",
-    "vec_",
-    "is_",
-    "splitreduction_",
-    "build_twosided",
-    "matptap",
+    "get_total_flops",
     "history",
-    "root_device_context",
-    "partitioner",
+    "nox",
+    "nox_warning",
+    "display",
+    "shared_tmp",
+    "not_shared_tmp",
+    "tmp",
+    "use_gpu_aware_mpi",
+    "mpi_linear_solver_server",
+    "build_twosided",
+    "x_virtual",
 };
+constexpr std::string_view petscPrefixes[] = {"draw_",          "sf_",        "dm_", "viewer_hdf5_",
+                                              "viewer_binary_", "vecscatter_"};
 
 bool belongsToPetsc(std::string_view name) {
-  return std::ranges::any_of(petscPrefixes,
+  return std::ranges::find(petscNames, name) != std::end(petscNames) ||
+         std::ranges::any_of(petscPrefixes,
                              [&](std::string_view p) { return name.starts_with(p); });
 }
+
+/// The suffixes of options whose first part is the user's (boundary.cpp).
+constexpr std::string_view boundarySuffixes[] = {"_region",   "_group", "_fix",   "_fix_rotation",
+                                                 "_velocity", "_ramp",  "_force", "_torque"};
 
 int editDistance(std::string_view a, std::string_view b) {
   std::vector<int> row(b.size() + 1);
@@ -146,7 +167,8 @@ void Options::printHelp(MPI_Comm comm) const {
     PetscPrintf(comm, "\n%s\n", topic.title.c_str());
     for (const Entry& e : topic.entries) {
       const std::string unit = e.unit.empty() ? "" : " [" + e.unit + "]";
-      PetscPrintf(comm, "  -%s <%s>%s: %s\n", e.name.c_str(), e.value.c_str(), unit.c_str(), e.help.c_str());
+      PetscPrintf(comm, "  -%s <%s>%s: %s\n", e.name.c_str(), e.value.c_str(), unit.c_str(),
+                  e.help.c_str());
     }
   }
   PetscPrintf(comm, "\n");
@@ -170,7 +192,13 @@ void Options::refuseUnknown() const {
           nearest = &e;
         }
     problem = format("unknown option -%s", names[i]);
-    if (nearest) problem += format("; the nearest known one is -%s", nearest->name.c_str());
+    const auto suffix = std::ranges::find_if(boundarySuffixes,
+                                             [&](std::string_view e) { return name.ends_with(e); });
+    if (suffix != std::end(boundarySuffixes) && best > 2)
+      problem += format("; a boundary condition must be named: -bc %s",
+                        std::string(name.substr(0, name.size() - suffix->size())).c_str());
+    else if (nearest)
+      problem += format("; the nearest known one is -%s", nearest->name.c_str());
   }
   petsc(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   if (!problem.empty()) throw InputError(problem);

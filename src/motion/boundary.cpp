@@ -47,6 +47,9 @@ void Boundaries::readNamed(Options& options, const UnitSystem& units) {
   for (const std::string& name : names) {
     if (std::ranges::any_of(boundaries_, [&](const Boundary& b) { return b.name == name; }))
       throw InputError("-bc: " + name + " is named twice");
+    if (name.starts_with("tension"))
+      throw InputError("-bc " + name +
+                       ": names that begin with tension belong to the tension test");
     // Not documented one by one: -help shows the family above.
     Options own;
     OptionSection n(own, name);
@@ -136,7 +139,9 @@ void Boundaries::attach(State& state, const RunRecord& record) {
     b.start = state.time;
     if (const auto old = recorded(b.name); old && old->size() == 2) {
       b.start = (*old)[1];
-      if (b.region) moved.push_back({static_cast<int>((*old)[0]), b.bit});
+      const int bit = static_cast<int>(std::clamp((*old)[0], 0.0, 31.0));
+      if (b.region && bit >= firstReservedGroupBit && bit < leftGripBit)
+        moved.push_back({bit, b.bit});
     }
   }
   const auto oldTension = record.reals.find("tension");

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <sstream>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
@@ -13,25 +15,64 @@ namespace nanoweft {
 
 namespace fs = std::filesystem;
 
-Snapshots::Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep)
-    : name_(std::move(name)) {
-  makeParentFolder(comm, name_);
-  int rank;
-  MPI_Comm_rank(comm, &rank);
-  if (rank != 0 || restartStep < 0) return;
-  const fs::path path(name_);
+namespace {
+
+/// Files NAME_<number>.h5 with numbers up to `last`, in order.
+std::vector<std::string> numberedFiles(const std::string& name, std::int64_t last) {
+  const fs::path path(name);
   const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
   const std::string prefix = path.filename().string() + "_";
   std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
     const std::string file = entry.path().filename().string();
     if (!file.starts_with(prefix) || !file.ends_with(".h5")) continue;
     const std::string number = file.substr(prefix.size(), file.size() - prefix.size() - 3);
-    if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos) continue;
-    if (std::stoll(number) <= restartStep) files.push_back((folder / file).string());
+    if (number.size() != 10 || number.find_first_not_of("0123456789") != std::string::npos)
+      continue;
+    if (std::stoll(number) <= last) files.push_back((folder / file).string());
   }
   std::ranges::sort(files);
-  for (const std::string& file : files) addEntry(file);
+  return files;
+}
+
+constexpr const char* indexMark = "<Grid Name=\"fibres\" GridType=\"Collection\"";
+
+}  // namespace
+
+void Snapshots::check(MPI_Comm comm, const std::string& name) {
+  makeParentFolder(comm, name);
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  // All ranks ask about the same files, in the order that rank 0 finds.
+  std::string list;
+  if (rank == 0)
+    for (const std::string& file : numberedFiles(name, std::numeric_limits<std::int64_t>::max()))
+      list += file + "\n";
+  auto length = static_cast<int>(list.size());
+  MPI_Bcast(&length, 1, MPI_INT, 0, comm);
+  list.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(list.data(), length, MPI_CHAR, 0, comm);
+  std::istringstream files(list);
+  for (std::string file; std::getline(files, file);) refuseForeignTarget(comm, file);
+  requireWritable(comm, name + ".xdmf");
+  std::string problem;
+  if (std::ifstream index(name + ".xdmf"); rank == 0 && index) {
+    std::ostringstream text;
+    text << index.rdbuf();
+    if (text.str().find(indexMark) == std::string::npos)
+      problem = "will not overwrite " + name +
+                ".xdmf: it is no index of snapshots; remove it or choose another name";
+  }
+  agree<InputError>(comm, problem);
+}
+
+Snapshots::Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep)
+    : name_(std::move(name)) {
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  if (rank == 0)
+    for (const std::string& file : numberedFiles(name_, restartStep)) addEntry(file);
 }
 
 void Snapshots::addEntry(const std::string& file) {
@@ -74,7 +115,7 @@ void Snapshots::writeIndex() const {
   {
     std::ofstream out(temporary);
     out << "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
-           "<Grid Name=\"fibres\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+        << indexMark << " CollectionType=\"Temporal\">\n";
     auto item = [&](const Entry& e, const char* dataset, std::int64_t rows, int columns,
                     const char* type, int bytes) {
       return format(

@@ -1,6 +1,8 @@
 #include "nanoweft/record/table_monitor.hpp"
 
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -26,16 +28,55 @@ TableMonitor::~TableMonitor() {
   PetscViewerDestroy(&viewer_);
 }
 
-std::string TableMonitor::fileName() const {
+std::array<std::string, 2> TableMonitor::target() const {
   char text[PETSC_MAX_PATH_LEN] = "";
   PetscBool found;
   petsc(
       PetscOptionsGetString(nullptr, nullptr, ("-" + option_).c_str(), text, sizeof text, &found));
   std::istringstream parts(text);
-  std::string type, file;
-  std::getline(parts, type, ':');
-  std::getline(parts, file, ':');
+  std::array<std::string, 2> result;
+  for (std::string& part : result) std::getline(parts, part, ':');
+  return result;
+}
+
+std::string TableMonitor::fileName() const {
+  const auto [type, file] = target();
   return type == "ascii" ? file : "";
+}
+
+void TableMonitor::check(MPI_Comm comm) const {
+  if (!wanted_) return;
+  const auto [type, file] = target();
+  if (!type.empty() && type != "ascii" && type != "draw")
+    throw InputError(
+        format("-%s %s: the viewer must be ascii or draw", option_.c_str(), type.c_str()));
+  if (type == "draw" || file.empty()) return;
+  makeParentFolder(comm, file);
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  std::string problem;
+  if (rank == 0 && std::filesystem::is_directory(file)) {
+    problem = format("-%s: %s is a folder", option_.c_str(), file.c_str());
+  } else if (rank == 0 && std::filesystem::is_regular_file(file)) {
+    std::ifstream old(file);
+    std::string line;
+    std::getline(old, line);
+    if (!line.empty() && line + "\n" != header())
+      problem =
+          format("will not overwrite %s: it is no table of -%s; remove it or choose another name",
+                 file.c_str(), option_.c_str());
+  }
+  agree<InputError>(comm, problem);
+}
+
+void TableMonitor::close() {
+  if (!viewer_ || graph_) return;
+  FILE* stream = nullptr;
+  petsc(PetscViewerASCIIGetPointer(viewer_, &stream));
+  agree<RunError>(comm_, stream && std::ferror(stream)
+                             ? format("-%s: some rows could not be written (is the disk full?)",
+                                      option_.c_str())
+                             : "");
 }
 
 std::string TableMonitor::header() const {
@@ -52,7 +93,6 @@ void TableMonitor::open(MPI_Comm comm, std::int64_t restartStep, std::int64_t in
   const std::string file = fileName();
   std::string kept = header();
   if (!file.empty()) {
-    makeParentFolder(comm, file);
     std::string problem;
     if (rank == 0) {
       if (std::ifstream old(file); old && restartStep >= 0) {
@@ -78,12 +118,9 @@ void TableMonitor::open(MPI_Comm comm, std::int64_t restartStep, std::int64_t in
   } catch (const PetscFailure& failure) {
     throw InputError(format("-%s: %s", option_.c_str(), failure.what()));
   }
-  PetscBool ascii, draw;
-  petsc(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer_), PETSCVIEWERASCII, &ascii));
+  PetscBool draw;
   petsc(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer_), PETSCVIEWERDRAW, &draw));
-  if (!ascii && !draw)
-    throw InputError(format("-%s: the viewer must be ascii or draw", option_.c_str()));
-  if (ascii) {
+  if (!draw) {
     petsc(PetscViewerASCIIPrintf(viewer_, "%s", kept.c_str()));
     petsc(PetscViewerFlush(viewer_));
   } else {

@@ -143,8 +143,9 @@ class WeaveScene final : public Scene {
     f.places = wave.walk(first, length_, p_.segments);
     if (f.places.back() - f.places.front() < (crossings - 1) * f.pitch)
       throw InputError(format(
-          "-weave_pitch %g: fibres of %d segments do not reach across %d crossings; at most %g %s",
-          p_.pitch, p_.segments, crossings, natural, unit_));
+          "-weave_segments %d: fibres do not reach across %d crossings %g %s apart%s", p_.segments,
+          crossings, f.pitch, unit_,
+          p_.pitch > 0 ? format("; they could with -weave_pitch %.6g", natural).c_str() : ""));
     return f;
   }
 

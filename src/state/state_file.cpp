@@ -61,9 +61,19 @@ std::string diagnose(const std::string& file) {
     return what + "the attribute units must be 'nano' or 'si'";
   for (const char* corner : {"lower", "upper"}) {
     const auto values = h5::readReals(group, corner);
-    if (!values || values->size() != 3)
-      return what + "the attribute " + corner + " must be three numbers";
+    if (!values || values->size() != 3 ||
+        !std::ranges::all_of(*values, [](double x) { return std::isfinite(x); }))
+      return what + "the attribute " + corner + " must be three finite numbers";
   }
+  const auto lower = *h5::readReals(group, "lower"), upper = *h5::readReals(group, "upper");
+  for (std::size_t d = 0; d < 3; ++d)
+    if (!(lower[d] < upper[d])) return what + "the box has no extent (attributes lower and upper)";
+  if (const auto step = h5::readIntegers(group, "step");
+      step && (step->size() != 1 || (*step)[0] < 0))
+    return what + "the attribute step must be a whole number, not negative";
+  if (const auto time = h5::readReals(group, "time");
+      time && (time->size() != 1 || !std::isfinite((*time)[0])))
+    return what + "the attribute time must be a finite number";
   const auto periodic = h5::readIntegers(group, "periodic");
   if (!periodic || periodic->size() != 3)
     return what + "the attribute periodic must be three integers";
@@ -308,7 +318,25 @@ void readStateRows(const std::string& file, const StateHeader& header, State& st
   checkFinite(angular, 3, "angular_velocity");
   agree<InputError>(comm, problem.empty() ? "" : what + problem);
 
+  // Every closed fibre must be there.
+  std::vector<int> found(closed.size(), 0);
+  for (std::size_t k = 0; k < n; ++k)
+    if (const auto at = std::ranges::lower_bound(closed, fibre[k]);
+        at != closed.end() && *at == fibre[k])
+      found[static_cast<std::size_t>(at - closed.begin())] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, comm);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (!found[k])
+      throw InputError(what + format("fibre_closed names the fibre %lld, which it does not have",
+                                     static_cast<long long>(closed[k])));
+
   const Chains chains = findChains(comm, state.rank(), state.ranks(), header.rows, block, index);
+  for (std::size_t k = 0; k < n && problem.empty(); ++k)
+    if (chains.length[k] < 3 && std::ranges::binary_search(closed, fibre[k]))
+      problem =
+          format("fibre_closed names the fibre %lld of %lld segments; a closed fibre needs three",
+                 static_cast<long long>(fibre[k]), static_cast<long long>(chains.length[k]));
+  agree<InputError>(comm, problem.empty() ? "" : what + problem);
   state.addOwned(static_cast<int>(n));
   for (std::size_t k = 0; k < n; ++k) {
     const int i = static_cast<int>(k);
@@ -432,8 +460,12 @@ std::string publish(const std::string& temporary, const std::string& file) {
 
 }  // namespace
 
-void writeState(const std::string& file, State& state, const UnitSystem& units,
+void writeState(const std::string& name, State& state, const UnitSystem& units,
                 const RunRecord& run, StateWriteOptions what) {
+  // A link stays one: its target is replaced.
+  std::error_code code;
+  const auto target = std::filesystem::canonical(name, code);
+  const std::string file = !code && std::filesystem::is_symlink(name) ? target.string() : name;
   const Block block(state.total(), state.rank(), state.ranks());
   const RowOrder ordered(state, block);
   const int n = state.owned();
@@ -553,14 +585,68 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
   agree<RunError>(state.comm(), state.rank() == 0 ? publish(temporary, file) : "");
 }
 
+namespace {
+
+/// Can all datasets of /state be read? HDF5 compares their checksums.
+bool datasetsIntact(const std::string& file) {
+  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
+  auto visit = [](hid_t object, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    h5::Handle set(H5Dopen2(object, name, H5P_DEFAULT), H5Dclose);
+    h5::Handle type(H5Dget_type(set), H5Tclose), space(H5Dget_space(set), H5Sclose);
+    if (!set.valid()) return 0;
+    hsize_t shape[2] = {0, 1};
+    if (H5Sget_simple_extent_ndims(space) > 2) return 0;
+    H5Sget_simple_extent_dims(space, shape, nullptr);
+    std::vector<char> buffer;
+    for (hsize_t row = 0; row < shape[0]; row += chunkRows) {
+      const hsize_t start[2] = {row, 0}, count[2] = {std::min(chunkRows, shape[0] - row), shape[1]};
+      buffer.resize(count[0] * count[1] * H5Tget_size(type));
+      H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
+      h5::Handle memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+      if (H5Dread(set, type, memory, space, H5P_DEFAULT, buffer.data()) < 0)
+        *static_cast<bool*>(out) = false;
+    }
+    return 0;
+  };
+  bool intact = true;
+  H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &intact);
+  return intact;
+}
+
+}  // namespace
+
 void refuseForeignTarget(MPI_Comm comm, const std::string& file) {
   int rank;
   MPI_Comm_rank(comm, &rank);
   std::string problem;
   std::error_code code;
-  if (rank == 0 && std::filesystem::exists(file, code) && !diagnose(file).empty())
-    problem = "will not overwrite " + file +
-              ": it is not a nanoweft state file; remove it or choose another name";
+  if (rank == 0) {
+    if (std::filesystem::is_directory(file, code) || std::filesystem::path(file).filename().empty())
+      problem = "cannot write a state to " + file + ": it is a folder";
+    else if (std::filesystem::exists(file, code) && !diagnose(file).empty())
+      problem = "will not overwrite " + file +
+                ": it is not a nanoweft state file; remove it or choose another name";
+    else if (std::filesystem::exists(file, code) && !datasetsIntact(file))
+      problem = "will not overwrite " + file +
+                ": it is a damaged state file; remove it or choose another name";
+  }
+  agree<InputError>(comm, problem);
+}
+
+void requireWritable(MPI_Comm comm, const std::string& file) {
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  std::string problem;
+  if (rank == 0) {
+    const std::string probe = file + ".tmp";
+    if (const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0666); fd >= 0) {
+      ::close(fd);
+      ::unlink(probe.c_str());
+    } else if (errno != EEXIST) {
+      problem = format("cannot write %s: %s", file.c_str(), std::strerror(errno));
+    }
+  }
   agree<InputError>(comm, problem);
 }
 

@@ -26,7 +26,14 @@ struct Scene {
     for (int layer = 0; layer < 2; ++layer)
       for (int tube = 0; tube < 8; ++tube)
         for (int k = 0; k < 30; ++k) {
-          const double record[8] = {13.56 * k + jitter(engine), 17.1 * tube + jitter(engine), 17.1 * layer, 0, 1, 0, 0, 0};
+          const double record[8] = {13.56 * k + jitter(engine),
+                                    17.1 * tube + jitter(engine),
+                                    17.1 * layer,
+                                    0,
+                                    1,
+                                    0,
+                                    0,
+                                    0};
           pose.insert(pose.end(), record, record + 8);
         }
     const int n = static_cast<int>(pose.size() / 8);
@@ -35,7 +42,8 @@ struct Scene {
         if (i / 30 == j / 30) continue;
         double d2 = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-          const double d = pose[8 * static_cast<std::size_t>(j) + c] - pose[8 * static_cast<std::size_t>(i) + c];
+          const double d =
+              pose[8 * static_cast<std::size_t>(j) + c] - pose[8 * static_cast<std::size_t>(i) + c];
           d2 += d * d;
         }
         if (d2 < 63.28 * 63.28) pairs.push_back({i, j});
@@ -59,12 +67,14 @@ void pairResolution(benchmark::State& state) {
   job.nearest = &nearest;
   PairTally tally;
   for (auto _ : state) {
-    addPairs<false, N>(law, 13.56, law.cutoff() + 13.56 * (N - 1) / N, 0x1p-46, 0x1p-43, job, tally);
+    addPairs<false, N>(law, 13.56, law.cutoff() + 13.56 * (N - 1) / N, 0x1p-46, 0x1p-43, job,
+                       tally);
     benchmark::DoNotOptimize(scene.sums.data());
     benchmark::ClobberMemory();
   }
   state.counters["s_per_pair"] = benchmark::Counter(
-      static_cast<double>(scene.pairs.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+      static_cast<double>(scene.pairs.size()),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(pairResolution<3>);
 BENCHMARK(pairResolution<5>);
@@ -77,12 +87,14 @@ void bond(benchmark::State& state) {
   const std::size_t groups = index.size() / laneCount - 1;
   for (auto _ : state)
     for (std::size_t g = 0; g < groups; ++g) {
-      const GatheredPose i(scene.pose.data(), &index[g * laneCount]), j(scene.pose.data(), &index[g * laneCount + 1]);
+      const GatheredPose i(scene.pose.data(), &index[g * laneCount]),
+          j(scene.pose.data(), &index[g * laneCount + 1]);
       auto force = bondForce(parameters, j.position - i.position, i.orientation, j.orientation);
       benchmark::DoNotOptimize(force);
     }
   state.counters["s_per_bond"] = benchmark::Counter(
-      static_cast<double>(groups * laneCount), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+      static_cast<double>(groups * laneCount),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(bond);
 

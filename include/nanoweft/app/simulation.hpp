@@ -51,6 +51,7 @@ class Simulation {
   RunRecord runRecord() const;
   void restoreAccounts();
   void writeCheckpoint(const std::string& file);
+  std::string lastGoodCheckpoint() const;
   [[noreturn]] void reportInstability();
 
   void printHeader() const;

@@ -14,6 +14,8 @@ class Snapshots {
  public:
   /// `name`: path without ending; in a restart (`restartStep` >= 0) earlier snapshots stay listed.
   Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep);
+  /// Throws InputError when snapshots of this name would replace files that are none.
+  static void check(MPI_Comm comm, const std::string& name);
   void write(State& state, const UnitSystem& units);
 
  private:

@@ -7,6 +7,7 @@
 #include <petscdraw.h>
 #include <petscviewer.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -27,6 +28,12 @@ class TableMonitor {
   TableMonitor& operator=(const TableMonitor&) = delete;
 
   bool wanted() const { return wanted_; }
+  /// Where the table goes, empty when not into a file.
+  std::string fileName() const;
+  /// Throws InputError for a viewer that cannot hold a table, or a file that is there and is none.
+  void check(MPI_Comm comm) const;
+  /// Throws RunError when some row could not be written. Collective.
+  void close();
 
   /// Opens the viewer. A file that exists is replaced, but in a restart its rows up to
   /// `restartStep` are kept (-1: no restart); `interval`: steps between rows. Collective.
@@ -34,7 +41,8 @@ class TableMonitor {
   void record(std::int64_t step, const std::vector<double>& values);
 
  private:
-  std::string fileName() const;
+  /// The parts of the option's value, TYPE:FILE.
+  std::array<std::string, 2> target() const;
   std::string header() const;
 
   std::string option_;

@@ -50,6 +50,9 @@ void writeState(const std::string& file, State& state, const UnitSystem& units,
 /// Throws InputError when `file` exists and is not a state file: such a file is never overwritten.
 void refuseForeignTarget(MPI_Comm comm, const std::string& file);
 
+/// Throws InputError when `file` cannot be made.
+void requireWritable(MPI_Comm comm, const std::string& file);
+
 /// Creates the folder that `file` lies in, where it is missing. Throws InputError.
 void makeParentFolder(MPI_Comm comm, const std::string& file);
 
