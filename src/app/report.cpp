@@ -123,9 +123,9 @@ void Simulation::printSummary() const {
               static_cast<long long>(forces_->rebuilds()), domain_->imbalance(),
               static_cast<double>(memory) / 1024.0);
   PetscPrintf(comm_,
-              "energy balance (total + damped + broken - external): drift %.3g %s of %.6g kinetic "
-              "+ elastic\n",
-              e.balance() - firstBalance_, units_.energy, e.kinetic + e.rotational + e.elastic());
+              "energy balance: total + damped + broken - external drifted by %.3g %s (damped %.6g, "
+              "external %.6g, broken %.6g)\n",
+              e.balance() - firstBalance_, units_.energy, e.damped, e.external, e.broken);
   if (boundaries_.tension())
     PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(),
                 strength_, static_cast<long long>(e.brokenBonds));
