@@ -9,6 +9,7 @@
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/motion/breakage.hpp"
 #include "nanoweft/motion/step_limit.hpp"
+#include "nanoweft/state/output_target.hpp"
 
 namespace nanoweft {
 

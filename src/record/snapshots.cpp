@@ -9,6 +9,7 @@
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
+#include "nanoweft/state/output_target.hpp"
 #include "nanoweft/state/state_file.hpp"
 
 namespace nanoweft {

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "nanoweft/base/error.hpp"
-#include "nanoweft/state/state_file.hpp"
+#include "nanoweft/state/output_target.hpp"
 
 namespace nanoweft {
 

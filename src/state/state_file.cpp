@@ -38,8 +38,76 @@ hid_t parallelAccess(MPI_Comm comm) {
   return access;
 }
 
-/// Problem with the file as a whole, found by one rank; empty when it can be used.
-std::string diagnose(const std::string& file) {
+/// Reads this rank's rows of a dataset; leaves `values` empty when it is missing. Returns a
+/// problem.
+template <class T>
+std::string readRows(hid_t group, const char* name, hid_t memoryType, const Block& block,
+                     int columns, std::vector<T>& values) {
+  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) return "";
+  h5::Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+  h5::Handle space(H5Dget_space(set), H5Sclose);
+  const hsize_t start[2] = {static_cast<hsize_t>(block.begin), 0};
+  const hsize_t count[2] = {static_cast<hsize_t>(block.count), static_cast<hsize_t>(columns)};
+  values.resize(static_cast<std::size_t>(block.count * columns));
+  if (block.count == 0) return "";
+  H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
+  h5::Handle memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+  // Independent transfers: a rank that meets a damaged chunk must not leave the others waiting.
+  if (H5Dread(set, memoryType, memory, space, H5P_DEFAULT, values.data()) < 0)
+    return std::string("/state/") + name + " cannot be read (" + h5::lastError() + ")";
+  return "";
+}
+
+template <class T>
+bool allFinite(const std::vector<T>& values, std::size_t& where) {
+  for (where = 0; where < values.size(); ++where)
+    if (!std::isfinite(values[where])) return false;
+  return true;
+}
+
+/// First row of the fibre that holds each of this rank's rows, and that fibre's number of segments.
+/// A fibre may span the blocks of several ranks.
+struct Chains {
+  std::vector<std::int64_t> start, length;
+};
+
+Chains findChains(MPI_Comm comm, int rank, int ranks, std::int64_t total, const Block& block,
+                  const std::vector<std::int64_t>& index) {
+  // Every rank's first and last row where a fibre starts (index 0), or -1: two numbers a rank.
+  std::int64_t mine[2] = {-1, -1};
+  for (std::int64_t k = 0; k < block.count; ++k)
+    if (index[static_cast<std::size_t>(k)] == 0) {
+      if (mine[0] < 0) mine[0] = block.begin + k;
+      mine[1] = block.begin + k;
+    }
+  std::vector<std::int64_t> all(2 * static_cast<std::size_t>(ranks));
+  MPI_Allgather(mine, 2, MPI_INT64_T, all.data(), 2, MPI_INT64_T, comm);
+  std::int64_t before = 0, after = total;
+  for (int r = 0; r < rank; ++r)
+    if (all[2 * static_cast<std::size_t>(r) + 1] >= 0)
+      before = all[2 * static_cast<std::size_t>(r) + 1];
+  for (int r = ranks - 1; r > rank; --r)
+    if (all[2 * static_cast<std::size_t>(r)] >= 0) after = all[2 * static_cast<std::size_t>(r)];
+  Chains chains;
+  const auto n = static_cast<std::size_t>(block.count);
+  chains.start.resize(n);
+  chains.length.resize(n);
+  std::int64_t start = before;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (index[k] == 0) start = block.begin + static_cast<std::int64_t>(k);
+    chains.start[k] = start;
+  }
+  std::int64_t end = after;
+  for (std::size_t k = n; k-- > 0;) {
+    chains.length[k] = end - chains.start[k];
+    if (index[k] == 0) end = block.begin + static_cast<std::int64_t>(k);
+  }
+  return chains;
+}
+
+}  // namespace
+
+std::string stateFileProblem(const std::string& file) {
   const std::string what = "state file " + file + " cannot be used: ";
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return what + "it does not exist";
@@ -120,79 +188,10 @@ std::string diagnose(const std::string& file) {
   return "";
 }
 
-/// Reads this rank's rows of a dataset; leaves `values` empty when it is missing. Returns a
-/// problem.
-template <class T>
-std::string readRows(hid_t group, const char* name, hid_t memoryType, const Block& block,
-                     int columns, std::vector<T>& values) {
-  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) return "";
-  h5::Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
-  h5::Handle space(H5Dget_space(set), H5Sclose);
-  const hsize_t start[2] = {static_cast<hsize_t>(block.begin), 0};
-  const hsize_t count[2] = {static_cast<hsize_t>(block.count), static_cast<hsize_t>(columns)};
-  values.resize(static_cast<std::size_t>(block.count * columns));
-  if (block.count == 0) return "";
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
-  h5::Handle memory(H5Screate_simple(2, count, nullptr), H5Sclose);
-  // Independent transfers: a rank that meets a damaged chunk must not leave the others waiting.
-  if (H5Dread(set, memoryType, memory, space, H5P_DEFAULT, values.data()) < 0)
-    return std::string("/state/") + name + " cannot be read (" + h5::lastError() + ")";
-  return "";
-}
-
-template <class T>
-bool allFinite(const std::vector<T>& values, std::size_t& where) {
-  for (where = 0; where < values.size(); ++where)
-    if (!std::isfinite(values[where])) return false;
-  return true;
-}
-
-/// First row of the fibre that holds each of this rank's rows, and that fibre's number of segments.
-/// A fibre may span the blocks of several ranks.
-struct Chains {
-  std::vector<std::int64_t> start, length;
-};
-
-Chains findChains(MPI_Comm comm, int rank, int ranks, std::int64_t total, const Block& block,
-                  const std::vector<std::int64_t>& index) {
-  // Every rank's first and last row where a fibre starts (index 0), or -1: two numbers a rank.
-  std::int64_t mine[2] = {-1, -1};
-  for (std::int64_t k = 0; k < block.count; ++k)
-    if (index[static_cast<std::size_t>(k)] == 0) {
-      if (mine[0] < 0) mine[0] = block.begin + k;
-      mine[1] = block.begin + k;
-    }
-  std::vector<std::int64_t> all(2 * static_cast<std::size_t>(ranks));
-  MPI_Allgather(mine, 2, MPI_INT64_T, all.data(), 2, MPI_INT64_T, comm);
-  std::int64_t before = 0, after = total;
-  for (int r = 0; r < rank; ++r)
-    if (all[2 * static_cast<std::size_t>(r) + 1] >= 0)
-      before = all[2 * static_cast<std::size_t>(r) + 1];
-  for (int r = ranks - 1; r > rank; --r)
-    if (all[2 * static_cast<std::size_t>(r)] >= 0) after = all[2 * static_cast<std::size_t>(r)];
-  Chains chains;
-  const auto n = static_cast<std::size_t>(block.count);
-  chains.start.resize(n);
-  chains.length.resize(n);
-  std::int64_t start = before;
-  for (std::size_t k = 0; k < n; ++k) {
-    if (index[k] == 0) start = block.begin + static_cast<std::int64_t>(k);
-    chains.start[k] = start;
-  }
-  std::int64_t end = after;
-  for (std::size_t k = n; k-- > 0;) {
-    chains.length[k] = end - chains.start[k];
-    if (index[k] == 0) end = block.begin + static_cast<std::int64_t>(k);
-  }
-  return chains;
-}
-
-}  // namespace
-
 StateHeader readStateHeader(MPI_Comm comm, const std::string& file) {
   int rank;
   MPI_Comm_rank(comm, &rank);
-  agree<InputError>(comm, rank == 0 ? diagnose(file) : "");
+  agree<InputError>(comm, rank == 0 ? stateFileProblem(file) : "");
   h5::silence();
   // Small and read-only: every rank reads it by itself.
   h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
@@ -583,84 +582,6 @@ void writeState(const std::string& name, State& state, const UnitSystem& units,
   if (!good) problem = "cannot write " + temporary + " (" + h5::lastError() + ")";
   agree<RunError>(state.comm(), problem);
   agree<RunError>(state.comm(), state.rank() == 0 ? publish(temporary, file) : "");
-}
-
-namespace {
-
-/// Can all datasets of /state be read? HDF5 compares their checksums.
-bool datasetsIntact(const std::string& file) {
-  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
-  auto visit = [](hid_t object, const char* name, const H5L_info_t*, void* out) -> herr_t {
-    h5::Handle set(H5Dopen2(object, name, H5P_DEFAULT), H5Dclose);
-    h5::Handle type(H5Dget_type(set), H5Tclose), space(H5Dget_space(set), H5Sclose);
-    if (!set.valid()) return 0;
-    hsize_t shape[2] = {0, 1};
-    if (H5Sget_simple_extent_ndims(space) > 2) return 0;
-    H5Sget_simple_extent_dims(space, shape, nullptr);
-    std::vector<char> buffer;
-    for (hsize_t row = 0; row < shape[0]; row += chunkRows) {
-      const hsize_t start[2] = {row, 0}, count[2] = {std::min(chunkRows, shape[0] - row), shape[1]};
-      buffer.resize(count[0] * count[1] * H5Tget_size(type));
-      H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
-      h5::Handle memory(H5Screate_simple(2, count, nullptr), H5Sclose);
-      if (H5Dread(set, type, memory, space, H5P_DEFAULT, buffer.data()) < 0)
-        *static_cast<bool*>(out) = false;
-    }
-    return 0;
-  };
-  bool intact = true;
-  H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &intact);
-  return intact;
-}
-
-}  // namespace
-
-void refuseForeignTarget(MPI_Comm comm, const std::string& file) {
-  int rank;
-  MPI_Comm_rank(comm, &rank);
-  std::string problem;
-  std::error_code code;
-  if (rank == 0) {
-    if (std::filesystem::is_directory(file, code) || std::filesystem::path(file).filename().empty())
-      problem = "cannot write a state to " + file + ": it is a folder";
-    else if (std::filesystem::exists(file, code) && !diagnose(file).empty())
-      problem = "will not overwrite " + file +
-                ": it is not a nanoweft state file; remove it or choose another name";
-    else if (std::filesystem::exists(file, code) && !datasetsIntact(file))
-      problem = "will not overwrite " + file +
-                ": it is a damaged state file; remove it or choose another name";
-  }
-  agree<InputError>(comm, problem);
-}
-
-void requireWritable(MPI_Comm comm, const std::string& file) {
-  int rank;
-  MPI_Comm_rank(comm, &rank);
-  std::string problem;
-  if (rank == 0) {
-    const std::string probe = file + ".tmp";
-    if (const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0666); fd >= 0) {
-      ::close(fd);
-      ::unlink(probe.c_str());
-    } else if (errno != EEXIST) {
-      problem = format("cannot write %s: %s", file.c_str(), std::strerror(errno));
-    }
-  }
-  agree<InputError>(comm, problem);
-}
-
-void makeParentFolder(MPI_Comm comm, const std::string& file) {
-  int rank;
-  MPI_Comm_rank(comm, &rank);
-  std::string problem;
-  if (rank == 0) {
-    const auto folder = std::filesystem::path(file).parent_path();
-    std::error_code code;
-    if (!folder.empty()) std::filesystem::create_directories(folder, code);
-    if (code) problem = "cannot make the folder " + folder.string() + ": " + code.message();
-  }
-  agree<InputError>(comm, problem);
 }
 
 }  // namespace nanoweft

@@ -47,13 +47,7 @@ void readStateRows(const std::string& file, const StateHeader& header, State& st
 void writeState(const std::string& file, State& state, const UnitSystem& units,
                 const RunRecord& run, StateWriteOptions what = {});
 
-/// Throws InputError when `file` exists and is not a state file: such a file is never overwritten.
-void refuseForeignTarget(MPI_Comm comm, const std::string& file);
-
-/// Throws InputError when `file` cannot be made.
-void requireWritable(MPI_Comm comm, const std::string& file);
-
-/// Creates the folder that `file` lies in, where it is missing. Throws InputError.
-void makeParentFolder(MPI_Comm comm, const std::string& file);
+/// Why the file as a whole cannot be used as a state, or nothing. Not collective.
+std::string stateFileProblem(const std::string& file);
 
 }  // namespace nanoweft
