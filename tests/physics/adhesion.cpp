@@ -86,15 +86,22 @@ TEST(Adhesion, ParallelTubesHaveThePublishedEnergyPerLength) {
 }
 
 TEST(Adhesion, NeighboursAlongAFibreAreExcluded) {
-  // A straight fibre is all within reach of itself, but only segments at least `exclude` apart
-  // count; beyond the cutoff (4 T + 2/3 T) none is left.
+  // Two segments in line, k places apart: within the cutoff up to k = 4 (points 4 T - 2/3 T apart).
   const Folder folder;
+  auto inLine = [&](int places) {
+    writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 1),
+                                  straightFibre({13.56 * places, 0, 0}, {1, 0, 0}, 1)});
+    return pairEnergy(folder, "");
+  };
+  const double three = inLine(3), four = inLine(4);
+  EXPECT_LT(three, four);
+  EXPECT_LT(four, 0.0);
+  EXPECT_EQ(inLine(5), 0.0);
+  // So a straight fibre of 30 has 27 such pairs 3 places apart and 26 pairs 4 places apart.
   writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 30)});
+  EXPECT_NEAR(pairEnergy(folder, "-pair_exclude 3"), 27 * three + 26 * four, 1e-9);
+  EXPECT_NEAR(pairEnergy(folder, "-pair_exclude 4"), 26 * four, 1e-9);
   EXPECT_EQ(pairEnergy(folder, "-pair_exclude 5"), 0.0);
-  const double three = pairEnergy(folder, "-pair_exclude 3"),
-               two = pairEnergy(folder, "-pair_exclude 2");
-  EXPECT_LT(three, 0.0);
-  EXPECT_NE(two, three);
 }
 
 TEST(Adhesion, PairNoneIsFreeOfPairs) {
