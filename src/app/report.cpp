@@ -33,11 +33,17 @@ void Simulation::printHeader() const {
               fibre_.length, units_.length, fibre_.mass / units_.mass, units_.massName,
               fibre_.inertia / units_.mass, units_.massName, units_.length, b.stretch, b.shear,
               b.bending, b.torsion);
-  if (const PairForce* p = forces_->pair())
-    PetscPrintf(comm_, "  pair forces: %s, %d points a segment, cutoff %g %s\n", p->name().c_str(),
-                p->points(), p->cutoff(), units_.length);
-  else
+  if (const PairForce* p = forces_->pair()) {
+    const PointChoice& points = p->points();
+    const std::string far = points.far < points.near
+                                ? format(", %d beyond %g to %g %s", points.far, points.blend.from,
+                                         points.blend.to, units_.length)
+                                : "";
+    PetscPrintf(comm_, "  pair forces: %s, %d points a segment%s, cutoff %g %s\n",
+                p->name().c_str(), points.near, far.c_str(), p->cutoff(), units_.length);
+  } else {
     PetscPrintf(comm_, "  pair forces: none\n");
+  }
   if (breakage_)
     PetscPrintf(comm_, "  bonds break at a strain of %g +- %g, one draw per %s, seed %llu\n",
                 breakage_->mean, breakage_->deviation, breakage_->perFibre ? "fibre" : "bond",

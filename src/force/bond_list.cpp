@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "nanoweft/base/random.hpp"
-#include "nanoweft/force/pair_kernel.hpp"
+#include "nanoweft/force/gather.hpp"
 
 namespace nanoweft {
 
@@ -58,9 +58,11 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
       i[k] = e.i;
       j[k] = e.j;
     }
-    const GatheredPose pi(state.pose, i), pj(state.pose, j);
-    const Vec3<Lanes> separation = nearest(pj.position - pi.position);
-    const BondForce<Lanes> bond = bondForce(parameters, separation, pi.orientation, pj.orientation);
+    const Quat<Lanes> qi = gatherOrientations(state.pose, i),
+                      qj = gatherOrientations(state.pose, j);
+    const Vec3<Lanes> separation =
+        nearest(gatherPositions(state.pose, j) - gatherPositions(state.pose, i));
+    const BondForce<Lanes> bond = bondForce(parameters, separation, qi, qj);
     alignas(64) double value[9][laneCount];
     auto store = [&](int row, const Vec3<Lanes>& v) {
       v.x.copy_to(value[row], stdx::element_aligned);
@@ -71,7 +73,7 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
     store(3, bond.torqueI);
     store(6, bond.torqueJ);
     BondEnergy<Lanes> energy;
-    if (energies) energy = bondEnergy(parameters, separation, pi.orientation, pj.orientation);
+    if (energies) energy = bondEnergy(parameters, separation, qi, qj);
     for (int k = 0; k < used; ++k) {
       const auto lane = static_cast<std::size_t>(k);
       Entry& entry = bonds[first + lane];

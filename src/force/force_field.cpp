@@ -152,11 +152,12 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
               torqueUnit * static_cast<double>(viscousSums_[6 * i + 3 + c]);
         }
     }
-    std::int64_t resolved = 0;
-    for (const PairTally& t : pairTallies) resolved += t.resolved;
-    resolved_ += resolved;
-    // About 60 operations a point pair, gathers and scatter aside.
-    PetscLogFlops(60.0 * pair->points() * pair->points() * static_cast<double>(resolved));
+    std::int64_t pointPairs = 0;
+    for (const PairTally& t : pairTallies) {
+      resolved_ += t.resolved;
+      pointPairs += t.pointPairs;
+    }
+    PetscLogFlops(60.0 * static_cast<double>(pointPairs));  // about; gathers and scatter aside
   }
   pairSeconds_ += MPI_Wtime() - begin - waited;
   ++evaluations_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "nanoweft/base/error.hpp"
@@ -18,14 +19,16 @@ constexpr int mostPoints = 9;
 template <class Law>
 class PairForceOf final : public PairForce {
  public:
-  PairForceOf(std::string name, const Law& law, int points, double length, int exclude)
+  PairForceOf(std::string name, const Law& law, const PointChoice& points, double length,
+              int exclude)
       : law_(law) {
     name_ = std::move(name);
     points_ = points;
     exclude_ = exclude;
     length_ = length;
     cutoff_ = law.cutoff();
-    reach_ = cutoff_ + length * (points - 1) / points;
+    auto reachOf = [&](int n) { return cutoff_ + length * (n - 1) / n; };
+    reach_ = std::min(reachOf(points.near), std::max(points.blend.to, reachOf(points.far)));
     closestSensible_ = law.closestSensible();
     contactStiffness_ = law.contactStiffness();
     // A sum of eight full overlaps still fits into 63 bits.
@@ -34,23 +37,37 @@ class PairForceOf final : public PairForce {
   }
 
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
-    using Kernel = void (*)(const Law&, double, double, double, double, const PairJob&, PairTally&);
-    static constexpr auto table = []<std::size_t... N>(std::index_sequence<N...>) {
-      return std::array<std::array<Kernel, 2>, mostPoints>{
-          {{addPairs<false, static_cast<int>(N) + 1, Law>,
-            addPairs<true, static_cast<int>(N) + 1, Law>}...}};
+    const KernelUnits units{length_, forceUnit_, torqueUnit_};
+    auto resolve = [&](int points, bool withEnergies, Weight::Kind kind, const PairBlock& block) {
+      kernels[static_cast<std::size_t>(points - 1)][withEnergies](
+          law_, units, {kind, points_.blend}, block, job, tally);
+      tally.pointPairs += static_cast<std::int64_t>(points) * points * block.count;
+    };
+    PairSift sift(job, points_.blend, reach_);
+    PairSift::Class which;
+    while (const PairBlock* block = sift.next(which)) {
+      tally.resolved += block->count;
+      switch (which) {
+        case PairSift::near:
+          resolve(points_.near, energies, Weight::whole, *block);
+          break;
+        case PairSift::blended:  // the force needs the energies too
+          resolve(points_.near, true, Weight::fading, *block);
+          resolve(points_.far, true, Weight::rising, *block);
+          break;
+        default:
+          resolve(points_.far, energies, Weight::whole, *block);
+      }
     }
-    (std::make_index_sequence<mostPoints>{});
-    table[static_cast<std::size_t>(points_ - 1)][energies](law_, length_, reach_, forceUnit_,
-                                                           torqueUnit_, job, tally);
   }
 
   double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
     const Vec3d ei = axis1(qi), ej = axis1(qj);
     double smallest = std::numeric_limits<double>::infinity();
-    for (int a = 0; a < points_; ++a)
-      for (int b = 0; b < points_; ++b) {
-        const double half = 0.5 * (points_ - 1), spacing = length_ / points_;
+    const int n = points_.near;
+    for (int a = 0; a < n; ++a)
+      for (int b = 0; b < n; ++b) {
+        const double half = 0.5 * (n - 1), spacing = length_ / n;
         const Vec3d d = separation + ((b - half) * spacing) * ej - ((a - half) * spacing) * ei;
         smallest = std::min(smallest, norm(d));
       }
@@ -58,6 +75,16 @@ class PairForceOf final : public PairForce {
   }
 
  private:
+  using Kernel = void (*)(const Law&, const KernelUnits&, const Weight&, const PairBlock&,
+                          const PairJob&, PairTally&);
+  /// By number of points less one, without and with energies.
+  static constexpr auto kernels = []<std::size_t... N>(std::index_sequence<N...>) {
+    return std::array<std::array<Kernel, 2>, mostPoints>{
+        {{addBlock<false, static_cast<int>(N) + 1, Law>,
+          addBlock<true, static_cast<int>(N) + 1, Law>}...}};
+  }
+  (std::make_index_sequence<mostPoints>{});
+
   Law law_;
 };
 
@@ -65,7 +92,8 @@ class PairForceOf final : public PairForce {
 struct Context {
   const UnitSystem& units;
   const Fibre& fibre;
-  int points, exclude;
+  PointChoice points;
+  int exclude;
   double switchFrom, cutoff;
 };
 
@@ -130,8 +158,9 @@ std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& uni
   OptionSection pair(options, "Pair forces");
   const std::string chosen = pair.choice("pair", "vdw", names, "law of the forces between fibres");
   OptionSection s(options, "Pair forces", chosen != "none", "-pair is none");
-  Context c{units, fibre, 3, 20, 0, 0};
-  c.points = static_cast<int>(s.integer("pair_points", 3, "points per segment", 1, mostPoints));
+  Context c{units, fibre, {}, 20, 0, 0};
+  c.points.near =
+      static_cast<int>(s.integer("pair_points", 3, "points per segment", 1, mostPoints));
   c.exclude = static_cast<int>(
       s.integer("pair_exclude", 20, "segments of one fibre interact from this many places apart", 2,
                 1000000));
@@ -147,6 +176,23 @@ std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& uni
   if (c.cutoff <= c.switchFrom)
     throw InputError(
         format("-pair_cutoff %g: must lie beyond -pair_switch %g", c.cutoff, c.switchFrom));
+  c.points.far =
+      static_cast<int>(range
+                           .maybeInteger("pair_far_points", "as -pair_points",
+                                         "points per segment of pairs far apart", 1, c.points.near)
+                           .value_or(c.points.near));
+  const bool fewer = c.points.far < c.points.near;
+  OptionSection far(options, "Pair forces", chosen == "vdw" && fewer,
+                    "-pair_far_points is not below -pair_points");
+  c.points.blend.from =
+      far.maybeReal("pair_far_from", "2.5 T", units.length,
+                    "centre distance from which -pair_far_points begin to take over", positive)
+          .value_or(2.5 * fibre.length);
+  c.points.blend.to =
+      c.points.blend.from + far.maybeReal("pair_far_width", "T/2", units.length,
+                                          "width of the range in which they take over", positive)
+                                .value_or(0.5 * fibre.length);
+  if (!fewer) c.points.blend.from = c.points.blend.to = std::numeric_limits<double>::infinity();
   std::unique_ptr<PairForce> result;
   for (const Entry& e : laws) {
     const bool active = chosen == e.name;

@@ -129,7 +129,7 @@ double chainStepLimit(const Fibre& fibre) {
 double bundleStepLimit(const Fibre& fibre, const PairForce* pair) {
   const double chain = chainStepLimit(fibre);
   if (!pair) return chain;
-  const double contact = pair->contactStiffness() / pair->points();
+  const double contact = pair->contactStiffness() / pair->points().near;
   return 2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / fibre.mass);
 }
 

@@ -6,9 +6,11 @@
 #include <numeric>
 #include <random>
 
+#include "nanoweft/base/error.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/bond.hpp"
-#include "nanoweft/force/pair_kernel.hpp"
+#include "nanoweft/force/gather.hpp"
+#include "nanoweft/force/pair_force.hpp"
 
 namespace {
 
@@ -52,10 +54,17 @@ struct Scene {
   }
 };
 
-template <int N>
-void pairResolution(benchmark::State& state) {
+std::unique_ptr<PairForce> makeForce(const char* text) {
+  petsc(PetscOptionsClear(nullptr));
+  petsc(PetscOptionsInsertString(nullptr, text));
+  Options options;
+  return readPairForce(options, nanoUnits(), cnt1010(nanoUnits()));
+}
+
+/// Whole passes over the list, as a step makes them.
+void pairResolution(benchmark::State& state, const char* options) {
   Scene scene;
-  const Vdw<PaperExponents> law{VdwParameters{}};
+  const auto force = makeForce(options);
   const MinimumImage nearest{Box{}};
   PairJob job;
   job.pose = scene.pose.data();
@@ -67,8 +76,7 @@ void pairResolution(benchmark::State& state) {
   job.nearest = &nearest;
   PairTally tally;
   for (auto _ : state) {
-    addPairs<false, N>(law, 13.56, law.cutoff() + 13.56 * (N - 1) / N, 0x1p-46, 0x1p-43, job,
-                       tally);
+    force->add(job, false, tally);
     benchmark::DoNotOptimize(scene.sums.data());
     benchmark::ClobberMemory();
   }
@@ -76,8 +84,10 @@ void pairResolution(benchmark::State& state) {
       static_cast<double>(scene.pairs.size()),
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
-BENCHMARK(pairResolution<3>);
-BENCHMARK(pairResolution<5>);
+BENCHMARK_CAPTURE(pairResolution, 3_points, "-pair_points 3");
+BENCHMARK_CAPTURE(pairResolution, 3_points_1_far, "-pair_points 3 -pair_far_points 1");
+BENCHMARK_CAPTURE(pairResolution, 5_points, "-pair_points 5");
+BENCHMARK_CAPTURE(pairResolution, 7_points, "-pair_points 7");
 
 void bond(benchmark::State& state) {
   Scene scene;
@@ -87,9 +97,10 @@ void bond(benchmark::State& state) {
   const std::size_t groups = index.size() / laneCount - 1;
   for (auto _ : state)
     for (std::size_t g = 0; g < groups; ++g) {
-      const GatheredPose i(scene.pose.data(), &index[g * laneCount]),
-          j(scene.pose.data(), &index[g * laneCount + 1]);
-      auto force = bondForce(parameters, j.position - i.position, i.orientation, j.orientation);
+      const double* pose = scene.pose.data();
+      const std::int32_t *i = &index[g * laneCount], *j = i + 1;
+      auto force = bondForce(parameters, gatherPositions(pose, j) - gatherPositions(pose, i),
+                             gatherOrientations(pose, i), gatherOrientations(pose, j));
       benchmark::DoNotOptimize(force);
     }
   state.counters["s_per_bond"] = benchmark::Counter(
@@ -100,4 +111,9 @@ BENCHMARK(bond);
 
 }  // namespace
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  nanoweft::petsc(PetscInitializeNoArguments());
+  benchmark::RunSpecifiedBenchmarks();
+  nanoweft::petsc(PetscFinalize());
+}

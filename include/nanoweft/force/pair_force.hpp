@@ -3,6 +3,7 @@
 ///
 ///     U_ij = (1/n^2) sum_a sum_b u(|p_jb - p_ia|),   p_ia = x_i + (a - (n-1)/2) T/n e1_i
 ///
+/// Pairs far apart may use fewer points; pair_sift.hpp says how one sum gives way to the other.
 /// Laws are chosen by name; a new one is a header like hertz.hpp and an entry in pair_force.cpp.
 #pragma once
 
@@ -15,6 +16,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/force/switch.hpp"
 #include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
@@ -49,7 +51,14 @@ struct PairJob {
 struct PairTally {
   ExactSum energy;  ///< unit: energyUnit of the force field
   SumUnit energyUnit;
-  std::int64_t resolved = 0;  ///< pairs in reach
+  std::int64_t resolved = 0;    ///< pairs in reach
+  std::int64_t pointPairs = 0;  ///< of those pairs
+};
+
+/// How many points a segment has, for pairs near and far.
+struct PointChoice {
+  int near = 3, far = 3;
+  Switch blend;  ///< centre distances where `far` takes over; at infinity when it never does
 };
 
 class PairForce {
@@ -62,7 +71,7 @@ class PairForce {
   virtual double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
 
   const std::string& name() const { return name_; }
-  int points() const { return points_; }
+  const PointChoice& points() const { return points_; }
   int exclude() const { return exclude_; }
   double cutoff() const { return cutoff_; }
   /// Centre distance beyond which no two points of a pair are within the cutoff.
@@ -74,7 +83,8 @@ class PairForce {
 
  protected:
   std::string name_;
-  int points_ = 0, exclude_ = 0;
+  PointChoice points_;
+  int exclude_ = 0;
   double length_ = 0, cutoff_ = 0, reach_ = 0, closestSensible_ = 0, contactStiffness_ = 0;
   double forceUnit_ = 1, torqueUnit_ = 1;
 };

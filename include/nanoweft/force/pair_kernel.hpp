@@ -1,10 +1,12 @@
-/// The pair sum, a SIMD lane per pair: gathers of pose records, n x n point pairs, integer scatter.
+/// The pair sum, a SIMD lane per pair: n x n point pairs of a block, integer scatter.
 #pragma once
 
 #include <cmath>
 
 #include "nanoweft/base/simd.hpp"
+#include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_sift.hpp"
 #include "nanoweft/force/vdw.hpp"
 
 namespace nanoweft {
@@ -59,43 +61,48 @@ NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>
   return result;
 }
 
-/// Pose records of `laneCount` segments, transposed.
-struct GatheredPose {
-  Vec3<Lanes> position;
-  Quat<Lanes> orientation;
-
-  NW_INLINE GatheredPose(const double* pose, const std::int32_t* index) {
-    alignas(64) double t[8][laneCount];
-    for (int k = 0; k < laneCount; ++k) {
-      const double* p = pose + 8 * static_cast<std::size_t>(index[k]);
-      for (int c = 0; c < 8; ++c) t[c][k] = p[c];
-    }
-    auto load = [&](int c) { return Lanes(t[c], stdx::element_aligned); };
-    position = {load(0), load(1), load(2)};
-    orientation = {load(4), load(5), load(6), load(7)};
-  }
+/// What the kernels of a law share: segment length and the units of the integer sums.
+struct KernelUnits {
+  double length, force, torque;
 };
 
-template <bool Energies, int N, class Law>
-void addPairs(const Law& law, double length, double reach, double forceUnit, double torqueUnit,
-              const PairJob& job, PairTally& tally) {
-  const Lanes reach2(reach * reach);
-  const Lanes perForce(1.0 / forceUnit), perTorque(1.0 / torqueUnit);
-  for (std::size_t first = 0; first < job.count; first += laneCount) {
-    const int used = static_cast<int>(std::min<std::size_t>(laneCount, job.count - first));
-    std::int32_t i[laneCount], j[laneCount];
-    for (int k = 0; k < laneCount; ++k) {
-      // A partial group repeats its last pair in lanes whose results are not used.
-      const ListPair& pair = job.pairs[first + static_cast<std::size_t>(std::min(k, used - 1))];
-      i[k] = pair.i;
-      j[k] = pair.j;
+/// Viscous forces of a pair in reach (physics.md 5).
+inline void addViscous(const PairJob& job, const KernelUnits& units, std::int32_t i, std::int32_t j,
+                       bool mineI, bool mineJ) {
+  for (int c = 0; c < 3; ++c) {
+    const auto f = std::llrint(job.viscous.linear *
+                               (job.velocity[3 * j + c] - job.velocity[3 * i + c]) / units.force);
+    const auto t = std::llrint(job.viscous.angular *
+                               (job.angular[3 * j + c] - job.angular[3 * i + c]) / units.torque);
+    if (mineI) {
+      job.viscousSum[6 * i + c] += f;
+      job.viscousSum[6 * i + 3 + c] += t;
     }
-    const GatheredPose pi(job.pose, i), pj(job.pose, j);
-    const Vec3<Lanes> separation = (*job.nearest)(pj.position - pi.position);
-    if (!anyOf(dot(separation, separation) < reach2)) continue;
-    const auto pair =
-        resolvePair<Energies, N>(law, length, separation, pi.orientation, pj.orientation);
+    if (mineJ) {
+      job.viscousSum[6 * j + c] -= f;
+      job.viscousSum[6 * j + 3 + c] -= t;
+    }
+  }
+}
+
+/// Adds the pairs of a block, N points on each axis; `weight` multiplies their energies.
+template <bool Energies, int N, class Law>
+void addBlock(const Law& law, const KernelUnits& units, const Weight& weight,
+              const PairBlock& block, const PairJob& job, PairTally& tally) {
+  const Lanes perForce(1.0 / units.force), perTorque(1.0 / units.torque);
+  for (int first = 0; first < block.count; first += laneCount) {
+    const int used = std::min(laneCount, block.count - first);
+    const std::int32_t *i = block.i + first, *j = block.j + first;
+    const Vec3<Lanes> separation = block.separation(first);
+    PairResult<Lanes> pair;
+    if constexpr (N > 1)
+      pair =
+          resolvePair<Energies, N>(law, units.length, separation, gatherOrientations(job.pose, i),
+                                   gatherOrientations(job.pose, j));
+    else
+      pair = resolvePair<Energies, N>(law, units.length, separation, {}, {});
     if (!anyOf(pair.touching)) continue;
+    if constexpr (Energies) weight.apply(separation, pair);
     alignas(64) double scaled[9][laneCount];
     auto store = [&](int row, const Vec3<Lanes>& v, const Lanes& scale) {
       (v.x * scale).copy_to(scaled[row], stdx::element_aligned);
@@ -103,9 +110,10 @@ void addPairs(const Law& law, double length, double reach, double forceUnit, dou
       (v.z * scale).copy_to(scaled[row + 2], stdx::element_aligned);
     };
     store(0, pair.force, perForce);
-    store(3, pair.torqueI, perTorque);
-    store(6, pair.torqueJ, perTorque);
-    tally.resolved += used;
+    if constexpr (N > 1) {
+      store(3, pair.torqueI, perTorque);
+      store(6, pair.torqueJ, perTorque);
+    }
     for (int k = 0; k < used; ++k) {
       const bool mineI = i[k] >= job.begin && i[k] < job.end;
       const bool mineJ = j[k] >= job.begin && j[k] < job.end;
@@ -115,33 +123,19 @@ void addPairs(const Law& law, double length, double reach, double forceUnit, dou
         const std::int64_t f = std::llrint(scaled[c][k]);
         if (mineI) {
           si[c] += f;
-          si[3 + c] += std::llrint(scaled[3 + c][k]);
+          if constexpr (N > 1) si[3 + c] += std::llrint(scaled[3 + c][k]);
         }
         if (mineJ) {
           sj[c] -= f;
-          sj[3 + c] += std::llrint(scaled[6 + c][k]);
+          if constexpr (N > 1) sj[3 + c] += std::llrint(scaled[6 + c][k]);
         }
       }
       if constexpr (Energies)
         if (mineI) tally.energy.add(pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
-      if (job.viscousSum && pair.touching[static_cast<std::size_t>(k)]) {
-        const double* vi = job.velocity + 3 * static_cast<std::size_t>(i[k]);
-        const double* vj = job.velocity + 3 * static_cast<std::size_t>(j[k]);
-        const double* wi = job.angular + 3 * static_cast<std::size_t>(i[k]);
-        const double* wj = job.angular + 3 * static_cast<std::size_t>(j[k]);
-        for (int c = 0; c < 3; ++c) {
-          const auto f = std::llrint(job.viscous.linear * (vj[c] - vi[c]) / forceUnit);
-          const auto t = std::llrint(job.viscous.angular * (wj[c] - wi[c]) / torqueUnit);
-          if (mineI) {
-            job.viscousSum[6 * i[k] + c] += f;
-            job.viscousSum[6 * i[k] + 3 + c] += t;
-          }
-          if (mineJ) {
-            job.viscousSum[6 * j[k] + c] -= f;
-            job.viscousSum[6 * j[k] + 3 + c] -= t;
-          }
-        }
-      }
+      // A blended pair comes twice; its damping acts once.
+      if (job.viscousSum && weight.kind != Weight::rising &&
+          pair.touching[static_cast<std::size_t>(k)])
+        addViscous(job, units, i[k], j[k], mineI, mineJ);
     }
   }
 }

@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "nanoweft/base/simd.hpp"
+#include "nanoweft/force/switch.hpp"
 
 namespace nanoweft {
 
@@ -20,25 +21,6 @@ namespace nanoweft {
 template <class V>
 struct PairValue {
   V energy, slope;
-};
-
-/// 1 - x^3 (10 - 15x + 6x^2) between `from` and `to`, twice continuously differentiable.
-struct Switch {
-  double from = 0, to = 0;
-
-  /// Multiplies u by S and u' by the product rule.
-  template <class V>
-  NW_INLINE void apply(const V& r, V& u, V& du) const {
-    if (!anyOf(r > V(from))) return;
-    const double inverse = 1.0 / (to - from);
-    V x = (r - from) * inverse;
-    x = select(x < V(0.0), V(0.0), select(x > V(1.0), V(1.0), x));
-    const V s = 1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x));
-    const V rest = x * (1.0 - x);
-    const V ds = (-30.0 * inverse) * rest * rest;
-    du = du * s + u * ds;
-    u = u * s;
-  }
 };
 
 /// D^-9.5 and D^-4 by multiplications and one square root: the paper's exponents.
