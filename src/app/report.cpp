@@ -112,7 +112,7 @@ void Simulation::printSummary() const {
               units_.energy, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic,
               e.rotational);
   if (steps == 0) return;
-  std::int64_t resolved = forces_->pairsResolved();
+  std::int64_t resolved = forces_->pairsResolved() - firstResolved_;
   MPI_Allreduce(MPI_IN_PLACE, &resolved, 1, MPI_INT64_T, MPI_SUM, comm_);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -131,7 +131,10 @@ void Simulation::printSummary() const {
   PetscPrintf(comm_,
               "energy balance: total + damped + broken - external drifted by %.3g %s (damped %.6g, "
               "external %.6g, broken %.6g)\n",
-              e.balance() - firstBalance_, units_.energy, e.damped, e.external, e.broken);
+              e.balance() - first_.balance(), units_.energy, e.damped, e.external, e.broken);
+  if (lowestLimit_ < firstLimit_)
+    PetscPrintf(comm_, "stable step: %.4g %s at the start, %.4g at the lowest\n", firstLimit_,
+                units_.time, lowestLimit_);
   if (boundaries_.tension())
     PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(),
                 strength_, static_cast<long long>(e.brokenBonds));

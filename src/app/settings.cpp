@@ -20,6 +20,13 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   r.dt = run.maybeReal("ts_dt", "20 in nano, 0.4 of the stable limit in si", units.time,
                        "time step", positive);
   r.unsafeStep = run.flag("ts_dt_unsafe", false, "allow a step beyond the stable limit");
+  r.limitInterval =
+      run.integer("ts_limit_interval", 20000,
+                  "steps between estimates of the stable step; 0: at the start only", 0, most);
+  r.energyAlarm = run.real("energy_alarm", 0.25, "",
+                           "end as unstable when energy out of nothing exceeds this fraction of "
+                           "what there was; 0: do not",
+                           nonNegative);
   r.maxSteps =
       run.maybeInteger("ts_max_steps", "none",
                        "step number at which the run ends; 0: evaluate the start only", 0, most);

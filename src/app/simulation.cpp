@@ -8,7 +8,6 @@
 #include "nanoweft/base/log.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/motion/breakage.hpp"
-#include "nanoweft/motion/step_limit.hpp"
 #include "nanoweft/state/output_target.hpp"
 
 namespace nanoweft {
@@ -181,19 +180,6 @@ void Simulation::refuseOverlap() const {
       c.index[1], c.distance, units_.length, forces_->pair()->closestSensible(), units_.length));
 }
 
-void Simulation::chooseStep() {
-  if (!evaluatesOnly()) presentLimit_ = presentStepLimit(*state_, *forces_, domain_->halo());
-  const double dt = settings_.dt.value_or(
-      units_.name == "nano" ? 20.0
-                            : 0.4 * (evaluatesOnly() ? chainStepLimit(fibre_) : presentLimit_));
-  if (!evaluatesOnly() && dt > presentLimit_ && !settings_.unsafeStep)
-    throw InputError(
-        format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
-               "that (or -ts_dt_unsafe)",
-               dt, presentLimit_, units_.time));
-  verlet_.emplace(dt, settings_.damping);
-}
-
 bool Simulation::evaluatesOnly() const {
   return settings_.maxSteps && *settings_.maxSteps <= state_->step;
 }
@@ -248,8 +234,8 @@ void Simulation::begin() {
   accounts_.broken.merge(outcome_.released);
   pendingBreaks_ = outcome_.broken;
   energies_ = sumEnergies(*state_, *forces_, outcome_, accounts_);
-  firstBalance_ = energies_->balance();
-  if (!std::isfinite(firstBalance_))
+  first_ = *energies_;
+  if (!std::isfinite(first_.balance()))
     throw RunError(
         "the energy of the first state is not a finite number: check the fibre's parameters and "
         "the geometry");
@@ -263,6 +249,7 @@ void Simulation::begin() {
       snapshots_->write(*state_, units_);
     }
   }
+  firstResolved_ = forces_->pairsResolved();
   wallStart_ = lastProgress_ = progressWall_ = MPI_Wtime();
   progressStep_ = state_->step;
 }
@@ -274,7 +261,7 @@ void Simulation::step() {
     drift = verlet_->kickAndDrift(*state_, *forces_, boundaries_, accounts_);
   }
   const int notices = agreeOn(drift);
-  if (notices & unstable) reportInstability();
+  if (notices & unstable) reportInstability("");
   if (notices & broke)
     spreadBreaks(*state_, forces_->pair() ? forces_->pair()->exclude() : 0,
                  std::exchange(pendingBreaks_, {}));
@@ -283,8 +270,10 @@ void Simulation::step() {
   const bool monitored =
       (energyMonitor_.wanted() || stressMonitor_.wanted()) && due(settings_.monitorInterval);
   const bool relaxCheck = settings_.relaxTolerance > 0 && due(settings_.relaxInterval);
+  const bool checkpoint = !settings_.checkpointFile.empty() && due(settings_.checkpointInterval);
   ForceRequest request;
-  request.energies = monitored || relaxCheck || (notices & (progress | stop)) || atEnd();
+  request.energies = monitored || relaxCheck || checkpoint || (notices & (progress | stop)) ||
+                     due(energyCheckInterval) || atEnd();
   outcome_ = forces_->evaluate(*state_, domain_->halo(), request);
   accounts_.broken.merge(outcome_.released);
   pendingBreaks_.insert(pendingBreaks_.end(), outcome_.broken.begin(), outcome_.broken.end());
@@ -298,7 +287,7 @@ void Simulation::step() {
   if (request.energies) {
     const LogScope log(recordEvent_);
     energies_ = sumEnergies(*state_, *forces_, outcome_, accounts_);
-    if (!std::isfinite(energies_->total())) reportInstability();
+    watchEnergy();
   }
   if (monitored) record();
   if (relaxCheck) {
@@ -311,8 +300,8 @@ void Simulation::step() {
     const LogScope log(fileEvent_);
     snapshots_->write(*state_, units_);
   }
-  if (!settings_.checkpointFile.empty() && due(settings_.checkpointInterval))
-    writeCheckpoint(settings_.checkpointFile);
+  if (checkpoint) writeCheckpoint(settings_.checkpointFile);
+  if (settings_.limitInterval > 0 && due(settings_.limitInterval)) followLimit();
   stopAsked_ = notices & stop;
 }
 
@@ -391,37 +380,6 @@ std::string Simulation::lastGoodCheckpoint() const {
                   static_cast<long long>(lastCheckpoint_));
   return restartHeader_ ? "the checkpoint " + settings_.restart + " is good"
                         : "there is no checkpoint yet";
-}
-
-void Simulation::reportInstability() {
-  // The worst segment of all ranks: not a number counts as infinitely fast.
-  struct {
-    double distance;
-    int rank;
-  } worst{-1.0, state_->rank()};
-  long long segment[2] = {0, 0};
-  for (int i = 0; i < state_->owned(); ++i) {
-    const double* v = state_->velocity + 3 * i;
-    const double* w = state_->angular + 3 * i;
-    const double slide = std::hypot(v[0], v[1], v[2]),
-                 turn = std::hypot(w[0], w[1], w[2]) * 0.5 * fibre_.length;
-    double distance = verlet_->dt() * std::max(slide, turn);
-    if (!std::isfinite(slide) || !std::isfinite(turn))
-      distance = std::numeric_limits<double>::infinity();
-    if (distance > worst.distance) {
-      worst.distance = distance;
-      segment[0] = state_->fibre[i];
-      segment[1] = state_->chain[2 * i];
-    }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_);
-  MPI_Bcast(segment, 2, MPI_LONG_LONG, worst.rank, comm_);
-  throw RunError(format(
-      "unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s "
-      "(stable limit at the start %.4g); "
-      "take a smaller -ts_dt or more damping; %s",
-      static_cast<long long>(state_->step), segment[0], segment[1], worst.distance, units_.length,
-      verlet_->dt(), units_.time, presentLimit_, lastGoodCheckpoint().c_str()));
 }
 
 }  // namespace nanoweft

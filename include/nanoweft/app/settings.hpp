@@ -17,6 +17,8 @@ struct RunSettings {
 
   std::optional<double> dt;
   bool unsafeStep = false;
+  long limitInterval = 20000;  ///< 0: the stable step is estimated at the start only
+  double energyAlarm = 0.25;   ///< 0: off
   std::optional<long> maxSteps;
   std::optional<double> maxTime;
   double relaxTolerance = 0;  ///< 0: does not end the run

@@ -31,6 +31,8 @@ class Simulation {
   Ending run();
 
  private:
+  /// Steps between looks at the energy balance.
+  static constexpr long energyCheckInterval = 100;
   /// What ranks tell each other in each step, as bits.
   enum Notice { stale = 1, unstable = 2, stop = 4, progress = 8, broke = 16 };
 
@@ -38,7 +40,6 @@ class Simulation {
   void build();
   void perturb();
   void refuseOverlap() const;
-  void chooseStep();
   void begin();
   void step();
   int agreeOn(const DriftReport& drift);
@@ -52,7 +53,13 @@ class Simulation {
   void restoreAccounts();
   void writeCheckpoint(const std::string& file);
   std::string lastGoodCheckpoint() const;
-  [[noreturn]] void reportInstability();
+
+  void chooseStep();
+  /// Estimates the stable step anew and warns once when the run's is beyond it.
+  void followLimit();
+  /// Ends a run whose energy grows.
+  void watchEnergy();
+  [[noreturn]] void reportInstability(const std::string& sign);
 
   void printHeader() const;
   void printProgress();
@@ -85,7 +92,10 @@ class Simulation {
   bool releasedPairs_ = false, stopAsked_ = false, converged_ = false;
   double lastElastic_ = -1;  ///< at the last check of convergence
   std::int64_t lastRecorded_ = -1, lastCheckpoint_ = -1, firstStep_ = 0;
-  double presentLimit_ = 0, firstTime_ = 0, firstBalance_ = 0, strength_ = 0;
+  double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0;
+  bool limitWarned_ = false;
+  Energies first_;  ///< of the first state
+  std::int64_t firstResolved_ = 0;
   double wallStart_ = 0, lastProgress_ = 0, progressWall_ = 0;
   std::int64_t progressStep_ = 0;
   PetscLogEvent driftEvent_, kickEvent_, recordEvent_, fileEvent_;

@@ -1,0 +1,86 @@
+/// The stable time step: chosen at the start, followed during the run, and what happens beyond it.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nanoweft/app/simulation.hpp"
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/motion/step_limit.hpp"
+
+namespace nanoweft {
+
+void Simulation::chooseStep() {
+  if (!evaluatesOnly())
+    firstLimit_ = lowestLimit_ = presentLimit_ =
+        presentStepLimit(*state_, *forces_, domain_->halo());
+  const double dt = settings_.dt.value_or(
+      units_.name == "nano" ? 20.0
+                            : 0.4 * (evaluatesOnly() ? chainStepLimit(fibre_) : presentLimit_));
+  if (!evaluatesOnly() && dt > presentLimit_ && !settings_.unsafeStep)
+    throw InputError(
+        format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
+               "that (or -ts_dt_unsafe)",
+               dt, presentLimit_, units_.time));
+  verlet_.emplace(dt, settings_.damping);
+}
+
+void Simulation::followLimit() {
+  presentLimit_ = presentStepLimit(*state_, *forces_, domain_->halo());
+  lowestLimit_ = std::min(lowestLimit_, presentLimit_);
+  if (verlet_->dt() > presentLimit_ && !limitWarned_) {
+    PetscPrintf(comm_,
+                "warning: step %lld: -ts_dt %g is beyond the stable step of the present state, "
+                "%.4g %s\n",
+                static_cast<long long>(state_->step), verlet_->dt(), presentLimit_, units_.time);
+    limitWarned_ = true;
+  }
+}
+
+void Simulation::watchEnergy() {
+  const Energies& e = *energies_;
+  if (!std::isfinite(e.total())) reportInstability("");
+  if (settings_.energyAlarm == 0) return;
+  // What there was to turn into motion: the start's own energy, the work done on the fibres, and
+  // what they gained by coming together. The floor keeps round-off of a scene at rest silent.
+  const double available = first_.elastic() + first_.kinetic + first_.rotational +
+                           std::abs(e.external - first_.external) + std::abs(e.pair - first_.pair) +
+                           1e-9 * forces_->fibre().bond.stretch * fibre_.length * fibre_.length *
+                               static_cast<double>(state_->total());
+  const double risen = e.balance() - first_.balance();
+  if (risen > settings_.energyAlarm * available)
+    reportInstability(
+        format(" and energy has risen by %.3g %s out of nothing", risen, units_.energy));
+}
+
+void Simulation::reportInstability(const std::string& sign) {
+  // The worst segment of all ranks: not a number counts as infinitely fast.
+  struct {
+    double distance;
+    int rank;
+  } worst{-1.0, state_->rank()};
+  long long segment[2] = {0, 0};
+  for (int i = 0; i < state_->owned(); ++i) {
+    const double* v = state_->velocity + 3 * i;
+    const double* w = state_->angular + 3 * i;
+    const double slide = std::hypot(v[0], v[1], v[2]),
+                 turn = std::hypot(w[0], w[1], w[2]) * 0.5 * fibre_.length;
+    double distance = verlet_->dt() * std::max(slide, turn);
+    if (!std::isfinite(slide) || !std::isfinite(turn))
+      distance = std::numeric_limits<double>::infinity();
+    if (distance > worst.distance) {
+      worst.distance = distance;
+      segment[0] = state_->fibre[i];
+      segment[1] = state_->chain[2 * i];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_);
+  MPI_Bcast(segment, 2, MPI_LONG_LONG, worst.rank, comm_);
+  throw RunError(format(
+      "unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s%s "
+      "(stable limit when last looked at: %.4g); "
+      "take a smaller -ts_dt or more damping; %s",
+      static_cast<long long>(state_->step), segment[0], segment[1], worst.distance, units_.length,
+      verlet_->dt(), units_.time, sign.c_str(), presentLimit_, lastGoodCheckpoint().c_str()));
+}
+
+}  // namespace nanoweft
