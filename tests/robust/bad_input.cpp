@@ -442,7 +442,8 @@ TEST_P(OnRanks, StepTooLargeNamesTheLimitAndCanBeForced) {
   const double limit = std::stod(found[1]);
   EXPECT_GT(limit, 30.0);
   EXPECT_LT(limit, 60.0);
-  const Outcome forced = run(folder, weave + "-ts_dt 60 -ts_dt_unsafe -ts_max_steps 1", GetParam());
+  const Outcome forced =
+      run(folder, weave + "-ts_dt 60 -ts_dt_unsafe -energy_alarm 0 -ts_max_steps 1", GetParam());
   EXPECT_EQ(forced.status, 0) << forced.output;
   expectClean(forced.output);
 }
@@ -471,11 +472,12 @@ TEST_P(OnRanks, UnstableRunWithoutCheckpointSaysSo) {
 
 TEST_P(OnRanks, UnstableRunLeavesAGoodCheckpoint) {
   const Folder folder;
-  const Outcome outcome = run(
-      folder,
-      weave +
-          "-ts_dt 80 -ts_dt_unsafe -ts_max_steps 5000 -checkpoint_file c.h5 -checkpoint_interval 1",
-      GetParam());
+  const Outcome outcome =
+      run(folder,
+          weave +
+              "-ts_dt 80 -ts_dt_unsafe -energy_alarm 0 -ts_max_steps 5000 -checkpoint_file c.h5 "
+              "-checkpoint_interval 1",
+          GetParam());
   const std::smatch unstable = expectUnstable(outcome);
   ASSERT_EQ(unstable.size(), 2u);
   std::smatch named;
@@ -499,8 +501,8 @@ TEST_P(OnRanks, CheckpointOfAnUnstableRunGoesOn) {
   const Folder folder;
   expectUnstable(run(
       folder,
-      weave +
-          "-ts_dt 80 -ts_dt_unsafe -ts_max_steps 5000 -checkpoint_file c.h5 -checkpoint_interval 1",
+      weave + "-ts_dt 80 -ts_dt_unsafe -energy_alarm 0 -ts_max_steps 5000 -checkpoint_file c.h5 "
+              "-checkpoint_interval 1",
       GetParam()));
   const Outcome again = run(
       folder, weave + "-restart c.h5 -ts_dt 5 -damping_local 0.4 -ts_max_steps 200", GetParam());
