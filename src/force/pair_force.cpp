@@ -16,24 +16,42 @@ namespace {
 
 constexpr int mostPoints = 9;
 
+/// What every law needs besides its own options.
+struct Context {
+  const UnitSystem& units;
+  const Fibre& fibre;
+  PointChoice points;
+  int exclude;
+  double switchFrom, cutoff;
+};
+
+/// What a law says of itself.
+struct Traits {
+  double cutoff, closestSensible, contactStiffness, largestForce;
+};
+template <class Law>
+Traits traitsOf(const Law& law) {
+  return {law.cutoff(), law.closestSensible(), law.contactStiffness(), law.largestForce()};
+}
+
+/// A law as the kernel evaluates it: itself, or its table.
 template <class Law>
 class PairForceOf final : public PairForce {
  public:
-  PairForceOf(std::string name, const Law& law, const PointChoice& points, double length,
-              int exclude)
-      : law_(law) {
+  PairForceOf(std::string name, Law law, const Traits& traits, const Context& context)
+      : law_(std::move(law)) {
     name_ = std::move(name);
-    points_ = points;
-    exclude_ = exclude;
-    length_ = length;
-    cutoff_ = law.cutoff();
-    auto reachOf = [&](int n) { return cutoff_ + length * (n - 1) / n; };
-    reach_ = std::min(reachOf(points.near), std::max(points.blend.to, reachOf(points.far)));
-    closestSensible_ = law.closestSensible();
-    contactStiffness_ = law.contactStiffness();
+    points_ = context.points;
+    exclude_ = context.exclude;
+    length_ = context.fibre.length;
+    cutoff_ = traits.cutoff;
+    auto reachOf = [&](int n) { return cutoff_ + length_ * (n - 1) / n; };
+    reach_ = std::min(reachOf(points_.near), std::max(points_.blend.to, reachOf(points_.far)));
+    closestSensible_ = traits.closestSensible;
+    contactStiffness_ = traits.contactStiffness;
     // A sum of eight full overlaps still fits into 63 bits.
-    forceUnit_ = std::ldexp(1.0, std::ilogb(law.largestForce()) + 4 - 63);
-    torqueUnit_ = std::ldexp(forceUnit_, std::ilogb(length));
+    forceUnit_ = std::ldexp(1.0, std::ilogb(traits.largestForce) + 4 - 63);
+    torqueUnit_ = std::ldexp(forceUnit_, std::ilogb(length_));
   }
 
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
@@ -88,15 +106,6 @@ class PairForceOf final : public PairForce {
   Law law_;
 };
 
-/// What every law needs besides its own options.
-struct Context {
-  const UnitSystem& units;
-  const Fibre& fibre;
-  PointChoice points;
-  int exclude;
-  double switchFrom, cutoff;
-};
-
 std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool active) {
   VdwParameters p;
   const std::string& energy = c.units.energy;
@@ -117,15 +126,11 @@ std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool acti
   p.radius = c.fibre.radius;
   p.switchFrom = c.switchFrom;
   p.cutoff = c.cutoff;
-  auto make = [&](const auto& law) -> std::unique_ptr<PairForce> {
-    if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
-      throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s",
-                              p.switchFrom, law.restDistance(), c.units.length));
-    return std::make_unique<PairForceOf<std::decay_t<decltype(law)>>>("vdw", law, c.points,
-                                                                      c.fibre.length, c.exclude);
-  };
-  if (p.alpha == 9.5 && p.beta == 4.0) return make(Vdw<PaperExponents>(p));
-  return make(Vdw<GeneralExponents>(p));
+  const Vdw law(p);
+  if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
+    throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s",
+                            p.switchFrom, law.restDistance(), c.units.length));
+  return std::make_unique<PairForceOf<PairTable>>("vdw", law.table(), traitsOf(law), c);
 }
 
 std::unique_ptr<PairForce> makeHertz(OptionSection& s, const Context& c, bool active) {
@@ -133,8 +138,8 @@ std::unique_ptr<PairForce> makeHertz(OptionSection& s, const Context& c, bool ac
   const double stiffness =
       s.real("hertz_stiffness", 200.0, unit.c_str(), "K of u = K (2 rf - r)^2.5", positive);
   if (!active) return nullptr;
-  return std::make_unique<PairForceOf<Hertz>>("hertz", Hertz(stiffness, c.fibre.radius), c.points,
-                                              c.fibre.length, c.exclude);
+  const Hertz law(stiffness, c.fibre.radius);
+  return std::make_unique<PairForceOf<Hertz>>("hertz", law, traitsOf(law), c);
 }
 
 struct Entry {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <memory>
 
 #include "helpers.hpp"
 #include "nanoweft/force/hertz.hpp"
@@ -24,26 +25,27 @@ VdwParameters parameters(bool smooth) {
 template <class Law>
 PairResult<double> resolve(const Law& law, int points, const Vec3d& separation, const Quatd& qi,
                            const Quatd& qj) {
+  const Vec3d ei = axis1(qi), ej = axis1(qj);
   switch (points) {
     case 1:
-      return resolvePair<true, 1>(law, length, separation, qi, qj);
+      return resolvePair<true, 1>(law, length, separation, ei, ej);
     case 2:
-      return resolvePair<true, 2>(law, length, separation, qi, qj);
+      return resolvePair<true, 2>(law, length, separation, ei, ej);
     case 3:
-      return resolvePair<true, 3>(law, length, separation, qi, qj);
+      return resolvePair<true, 3>(law, length, separation, ei, ej);
     case 4:
-      return resolvePair<true, 4>(law, length, separation, qi, qj);
+      return resolvePair<true, 4>(law, length, separation, ei, ej);
     case 5:
-      return resolvePair<true, 5>(law, length, separation, qi, qj);
+      return resolvePair<true, 5>(law, length, separation, ei, ej);
     case 9:
-      return resolvePair<true, 9>(law, length, separation, qi, qj);
+      return resolvePair<true, 9>(law, length, separation, ei, ej);
     default:
       throw std::logic_error("number of points not instantiated");
   }
 }
 
 TEST(Vdw, SpliceAndMinimum) {
-  const Vdw<PaperExponents> smooth(parameters(true)), kink(parameters(false));
+  const Vdw smooth(parameters(true)), kink(parameters(false));
   EXPECT_NEAR(smooth.spliceDistance(), 16.313684942742598, 1e-12);
   EXPECT_NEAR(kink.spliceDistance(), 17.343571, 1e-6);
   EXPECT_NEAR(smooth.restDistance(), 17.343571, 1e-6);
@@ -58,8 +60,7 @@ TEST(Vdw, SpliceAndMinimum) {
 TEST(Vdw, ReferenceCases) {
   const auto rows = readTable("pairs.csv");
   ASSERT_EQ(rows.size(), 240u);
-  const Vdw<PaperExponents> laws[2] = {Vdw<PaperExponents>(parameters(false)),
-                                       Vdw<PaperExponents>(parameters(true))};
+  const PairTable laws[2] = {Vdw(parameters(false)).table(), Vdw(parameters(true)).table()};
   for (const auto& row : rows) {
     const Vec3d separation = vectorAt(row, 9) - vectorAt(row, 2);
     const auto p = resolve(laws[row[1] != 0], static_cast<int>(row[0]), separation,
@@ -81,10 +82,11 @@ struct LawCase {
 };
 
 template <class Law>
-LawCase lawCase(std::string name, const Law& law, double nearest, double farthest) {
+LawCase lawCase(std::string name, Law law, double nearest, double farthest) {
+  auto shared = std::make_shared<Law>(std::move(law));
   return {std::move(name),
-          [law](int n, const Vec3d& d, const Quatd& a, const Quatd& b) {
-            return resolve(law, n, d, a, b);
+          [shared](int n, const Vec3d& d, const Quatd& a, const Quatd& b) {
+            return resolve(*shared, n, d, a, b);
           },
           nearest, farthest};
 }
@@ -92,9 +94,9 @@ LawCase lawCase(std::string name, const Law& law, double nearest, double farthes
 std::vector<LawCase> allLaws() {
   VdwParameters general = parameters(true);
   general.alpha = 8.7, general.beta = 4.4;
-  return {lawCase("vdw_smooth", Vdw<PaperExponents>(parameters(true)), 10, 60),
-          lawCase("vdw_kink", Vdw<PaperExponents>(parameters(false)), 10, 60),
-          lawCase("vdw_general", Vdw<GeneralExponents>(general), 10, 60),
+  return {lawCase("vdw_smooth", Vdw(parameters(true)).table(), 10, 60),
+          lawCase("vdw_kink", Vdw(parameters(false)).table(), 10, 60),
+          lawCase("vdw_general", Vdw(general).table(), 10, 60),
           lawCase("hertz", Hertz(200, 6.78), 3, 14)};
 }
 
@@ -160,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, EveryLaw, testing::ValuesIn(allLaws()),
 
 TEST(Vdw, ForceIsContinuousWhereTheBranchesJoin) {
   for (bool smooth : {true, false}) {
-    const Vdw<PaperExponents> law(parameters(smooth));
+    const Vdw law(parameters(smooth));
     for (double r : {law.spliceDistance(), 40.68, 54.24}) {
       const double below = r * (1 - 1e-9), above = r * (1 + 1e-9);
       const auto a = law(below * below), b = law(above * above);
@@ -170,14 +172,49 @@ TEST(Vdw, ForceIsContinuousWhereTheBranchesJoin) {
   }
 }
 
-TEST(Vdw, LanesGiveTheBitsOfDoubles) {
-  const Vdw<PaperExponents> law(parameters(true));
+TEST(PairTable, AgreesWithItsLaw) {
+  for (bool smooth : {true, false}) {
+    const Vdw law(parameters(smooth));
+    const PairTable table = law.table();
+    double worstForce = 0, worstEnergy = 0;
+    for (double r = 8.0; r < 54.24; r += 0.00737) {
+      const auto expected = law(r * r), found = table(r * r);
+      // Relative to the size of the law's own two terms, whose difference it is.
+      const double d = r / 6.78 - 2.0;
+      const double size = r > law.spliceDistance()
+                              ? 0.373 / std::pow(d, 4) + 0.00635 / std::pow(d, 9.5)
+                              : std::abs(expected.energy) + 1.0;
+      worstEnergy = std::max(worstEnergy, std::abs(found.energy - expected.energy) / size);
+      worstForce = std::max(worstForce, std::abs(found.slope - expected.slope) * r * 2.75 / size);
+      EXPECT_EQ(table.slope(r * r), found.slope);
+    }
+    EXPECT_LT(worstEnergy, 1e-11);
+    EXPECT_LT(worstForce, 1e-11);
+    EXPECT_EQ(table(54.3 * 54.3).slope, 0.0);
+    EXPECT_EQ(table(1e30).energy, 0.0);
+  }
+}
+
+TEST(PairTable, StaysFiniteWhateverComesIn) {
+  const PairTable table = Vdw(parameters(true)).table();
+  for (double s : {-1e-9, 0.0, 1e-300, 1e-3, 1e300})
+    EXPECT_TRUE(std::isfinite(table(s).slope) && std::isfinite(table(s).energy)) << s;
+  // Repulsive all the way to zero distance.
+  for (double r = 0.0; r < 16.3; r += 0.01) EXPECT_LT(table(r * r).slope, 0.0) << r;
+}
+
+TEST(PairTable, LanesGiveTheBitsOfDoubles) {
+  const PairTable law = Vdw(parameters(true)).table();
   for (double r = 8.0; r < 56.0; r += 0.37) {
     const auto one = law(r * r);
-    const auto many = law(Lanes(r * r));
+    // A different distance in each lane.
+    const Lanes r2([&](auto k) { return (r + 0.01 * k) * (r + 0.01 * k); });
+    const auto many = law(r2);
+    EXPECT_EQ(many.energy[0], one.energy);
     for (std::size_t k = 0; k < Lanes::size(); ++k) {
-      EXPECT_EQ(many.energy[k], one.energy);
-      EXPECT_EQ(many.slope[k], one.slope);
+      const double s = r2[k];
+      EXPECT_EQ(many.energy[k], law(s).energy);
+      EXPECT_EQ(many.slope[k], law(s).slope);
     }
   }
 }

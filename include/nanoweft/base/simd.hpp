@@ -1,7 +1,14 @@
 /// The SIMD vector that kernels run in, and the few operations that differ from plain doubles.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <experimental/simd>
+#ifdef __FMA__
+#include <immintrin.h>
+#endif
 
 namespace nanoweft {
 
@@ -33,6 +40,149 @@ NW_INLINE bool anyOf(bool condition) {
 template <class T, class Abi>
 NW_INLINE bool anyOf(const stdx::simd_mask<T, Abi>& condition) {
   return stdx::any_of(condition);
+}
+
+/// a b + c, fused where the target can, so that all instances of a formula round alike. (The
+/// library's own fma falls apart into scalar ones in large functions.)
+NW_INLINE double multiplyAdd(double a, double b, double c) {
+#ifdef __FMA__
+  return __builtin_fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+NW_INLINE Lanes multiplyAdd(const Lanes& a, const Lanes& b, const Lanes& c) {
+#if defined(__AVX512F__)
+  return Lanes(
+      _mm512_fmadd_pd(static_cast<__m512d>(a), static_cast<__m512d>(b), static_cast<__m512d>(c)));
+#elif defined(__FMA__)
+  return Lanes(
+      _mm256_fmadd_pd(static_cast<__m256d>(a), static_cast<__m256d>(b), static_cast<__m256d>(c)));
+#else
+  return a * b + c;
+#endif
+}
+
+/// Integers as wide as the lanes, in memory.
+struct LaneIndex {
+  alignas(64) std::int64_t at[Lanes::size()];
+};
+
+/// Which of the 2^bits equal parts of its octave y > 0 lies in, counted from y = `first` (a power
+/// of two) on; `begin`: where that part begins.
+template <int bits>
+NW_INLINE std::int64_t octavePart(double y, double first, double& begin) {
+  constexpr int shift = 52 - bits;
+  const auto pattern = __builtin_bit_cast(std::int64_t, y);
+  begin = __builtin_bit_cast(double, pattern >> shift << shift);
+  return (pattern >> shift) - (__builtin_bit_cast(std::int64_t, first) >> shift);
+}
+template <int bits>
+NW_INLINE LaneIndex octavePart(const Lanes& y, double first, Lanes& begin) {
+  constexpr int shift = 52 - bits;
+  using Integers = std::int64_t __attribute__((vector_size(sizeof(Lanes))));
+  const Integers part = __builtin_bit_cast(Integers, y) >> shift;
+  begin = __builtin_bit_cast(Lanes, Integers(part << shift));
+  LaneIndex index;
+  const Integers counted = part - (__builtin_bit_cast(std::int64_t, first) >> shift);
+  std::memcpy(index.at, &counted, sizeof counted);
+  // Through memory: taken apart in registers, the numbers would compete with the rows' shuffles.
+  asm("" : "+m"(index));
+  return index;
+}
+
+/// The first columns of rows of 8 doubles, a row a lane.
+template <int columns>
+NW_INLINE std::array<double, columns> loadRows(const double* table, std::int64_t index) {
+  std::array<double, columns> c;
+  for (std::size_t k = 0; k < columns; ++k) c[k] = table[8 * index + static_cast<std::int64_t>(k)];
+  return c;
+}
+
+namespace detail {
+
+typedef double Doubles4 __attribute__((vector_size(32)));
+typedef double Doubles8 __attribute__((vector_size(64)));
+
+template <class Vector>
+NW_INLINE Vector loadVector(const double* from) {
+  Vector v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+
+/// Columns k .. k+3 of the rows, transposed in 256-bit halves: lane l and l+4 travel together.
+template <int columns, std::size_t k, class Group, class Combine>
+NW_INLINE void transposeGroup(const Group* r, std::array<Lanes, columns>& c, Combine combine) {
+  const Group low01 = combine.low(r[0], r[1]), low23 = combine.low(r[2], r[3]);
+  const Group high01 = combine.high(r[0], r[1]), high23 = combine.high(r[2], r[3]);
+  if constexpr (k < columns) c[k] = __builtin_bit_cast(Lanes, combine.even(low01, low23));
+  if constexpr (k + 1 < columns) c[k + 1] = __builtin_bit_cast(Lanes, combine.even(high01, high23));
+  if constexpr (k + 2 < columns) c[k + 2] = __builtin_bit_cast(Lanes, combine.odd(low01, low23));
+  if constexpr (k + 3 < columns) c[k + 3] = __builtin_bit_cast(Lanes, combine.odd(high01, high23));
+}
+
+struct Combine4 {
+  using G = Doubles4;
+  NW_INLINE static G low(G a, G b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6); }
+  NW_INLINE static G high(G a, G b) { return __builtin_shufflevector(a, b, 1, 5, 3, 7); }
+  NW_INLINE static G even(G a, G b) { return __builtin_shufflevector(a, b, 0, 1, 4, 5); }
+  NW_INLINE static G odd(G a, G b) { return __builtin_shufflevector(a, b, 2, 3, 6, 7); }
+};
+struct Combine8 {
+  using G = Doubles8;
+  NW_INLINE static G low(G a, G b) {
+    return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+  }
+  NW_INLINE static G high(G a, G b) {
+    return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  NW_INLINE static G even(G a, G b) {
+    return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
+  }
+  NW_INLINE static G odd(G a, G b) {
+    return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+  }
+};
+
+}  // namespace detail
+
+/// Vector loads and shuffles: element by element, the table would cost more than its polynomials.
+template <int columns, class Index>
+NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const Index* index) {
+  using namespace detail;
+  std::array<Lanes, columns> c;
+  auto at = [&](std::size_t lane) { return static_cast<std::int64_t>(index[lane]); };
+  if constexpr (laneCount == 8) {
+    auto group = [&](int first) {
+      std::array<Doubles8, 4> r;
+      for (std::size_t l = 0; l < 4; ++l) {
+        const auto a = loadVector<Doubles4>(table + 8 * at(l) + first);
+        const auto b = loadVector<Doubles4>(table + 8 * at(l + 4) + first);
+        r[l] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+      }
+      return r;
+    };
+    transposeGroup<columns, 0>(group(0).data(), c, Combine8{});
+    if constexpr (columns > 4) transposeGroup<columns, 4>(group(4).data(), c, Combine8{});
+  } else if constexpr (laneCount == 4) {
+    auto group = [&](int first) {
+      std::array<Doubles4, 4> r;
+      for (std::size_t l = 0; l < 4; ++l) r[l] = loadVector<Doubles4>(table + 8 * at(l) + first);
+      return r;
+    };
+    transposeGroup<columns, 0>(group(0).data(), c, Combine4{});
+    if constexpr (columns > 4) transposeGroup<columns, 4>(group(4).data(), c, Combine4{});
+  } else {
+    for (std::size_t k = 0; k < columns; ++k)
+      c[k] = Lanes([&](auto lane) { return table[8 * at(lane) + static_cast<std::int64_t>(k)]; });
+  }
+  return c;
+}
+
+template <int columns>
+NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const LaneIndex& index) {
+  return loadRows<columns>(table, index.at);
 }
 
 }  // namespace nanoweft

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "nanoweft/base/simd.hpp"
-#include "nanoweft/force/vdw.hpp"
+#include "nanoweft/force/pair_table.hpp"
 
 namespace nanoweft {
 
@@ -19,6 +19,10 @@ class Hertz {
   double largestForce() const { return 2.5 * stiffness_ * contact_ * std::sqrt(contact_); }
   double contactStiffness() const { return 3.75 * stiffness_ * std::sqrt(contact_); }
 
+  template <class V>
+  NW_INLINE V slope(const V& r2) const {
+    return (*this)(r2).slope;
+  }
   template <class V>
   NW_INLINE PairValue<V> operator()(const V& r2) const {
     using std::sqrt;

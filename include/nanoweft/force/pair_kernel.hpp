@@ -7,7 +7,7 @@
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/pair_force.hpp"
 #include "nanoweft/force/pair_sift.hpp"
-#include "nanoweft/force/vdw.hpp"
+#include "nanoweft/force/pair_table.hpp"
 
 namespace nanoweft {
 
@@ -19,43 +19,58 @@ struct PairResult {
   decltype(V() < V()) touching{false};  ///< some points are within the cutoff
 };
 
+/// Distances of points and moments of their forces follow from the dot products of the separation
+/// and the two axes, so that a point pair costs little more than its force.
 template <bool Energies, int N, class Law, class V>
 NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation,
-                                    const Quat<V>& qi, const Quat<V>& qj) {
-  const double spacing = length / N;
+                                    const Vec3<V>& ei, const Vec3<V>& ej) {
   const V cutoff2(law.cutoff() * law.cutoff());
-  const Vec3<V> ei = axis1(qi), ej = axis1(qj);
+  const V alongI = dot(separation, ei), alongJ = dot(separation, ej), cosine = dot(ei, ej),
+          center2 = dot(separation, separation);
   PairResult<V> result;
-  Vec3<V> force{V(0.0), V(0.0), V(0.0)}, momentI = force, momentJ = force;
-  V energy(0.0);
+  // Sums of f, sa f, sb f and sa sb f over the points.
+  V sum(0.0), sumA(0.0), sumB(0.0), sumAB(0.0), energy(0.0);
+#pragma GCC unroll 3
   for (int a = 0; a < N; ++a) {
-    const V sa((a - 0.5 * (N - 1)) * spacing);
-    const Vec3<V> from = separation - sa * ei;
-    Vec3<V> row{V(0.0), V(0.0), V(0.0)};
+    const double sa = (a - 0.5 * (N - 1)) / N * length;
+    // |separation - sa ei|^2 and twice its part along ej.
+    const V from2 = multiplyAdd(V(-2.0 * sa), alongI, V(center2 + sa * sa));
+    const V along = 2.0 * multiplyAdd(V(-sa), cosine, alongJ);
+    V row(0.0), rowB(0.0);
+#pragma GCC unroll 9
     for (int b = 0; b < N; ++b) {
-      const V sb((b - 0.5 * (N - 1)) * spacing);
-      const Vec3<V> d = from + sb * ej;
-      const V r2 = dot(d, d);
+      const double sb = (b - 0.5 * (N - 1)) / N * length;
+      const V r2 = multiplyAdd(V(sb), along, V(from2 + sb * sb));
       const auto near = r2 < cutoff2;
       if (!anyOf(near)) continue;
       result.touching = result.touching || near;
-      const PairValue<V> value = law(r2);
       // Law values beyond the cutoff are zero, so no lane needs a mask.
-      const Vec3<V> f = value.slope * d;
+      V f;
+      if constexpr (Energies) {
+        const PairValue<V> value = law(r2);
+        f = value.slope;
+        energy += value.energy;
+      } else {
+        f = law.slope(r2);
+      }
       row += f;
-      if constexpr (N > 1) momentJ += sb * f;
-      if constexpr (Energies) energy += value.energy;
+      rowB = multiplyAdd(V(sb), f, rowB);
     }
-    force += row;
-    if constexpr (N > 1) momentI += sa * row;
+    sum += row;
+    sumB += rowB;
+    sumA = multiplyAdd(V(sa), row, sumA);
+    sumAB = multiplyAdd(V(sa), rowB, sumAB);
   }
   const V share(1.0 / (N * N));
   result.energy = share * energy;
-  result.force = share * force;
+  sum *= share;
   if constexpr (N > 1) {
-    result.torqueI = cross(ei, share * momentI);
-    result.torqueJ = -cross(ej, share * momentJ);
+    sumA *= share, sumB *= share, sumAB *= share;
+    result.force = sum * separation - sumA * ei + sumB * ej;
+    result.torqueI = cross(ei, sumA * separation + sumAB * ej);
+    result.torqueJ = cross(ej, sumAB * ei - sumB * separation);
   } else {
+    result.force = sum * separation;
     result.torqueI = result.torqueJ = {V(0.0), V(0.0), V(0.0)};
   }
   return result;
@@ -96,9 +111,9 @@ void addBlock(const Law& law, const KernelUnits& units, const Weight& weight,
     const Vec3<Lanes> separation = block.separation(first);
     PairResult<Lanes> pair;
     if constexpr (N > 1)
-      pair =
-          resolvePair<Energies, N>(law, units.length, separation, gatherOrientations(job.pose, i),
-                                   gatherOrientations(job.pose, j));
+      pair = resolvePair<Energies, N>(law, units.length, separation,
+                                      axis1(gatherOrientations(job.pose, i)),
+                                      axis1(gatherOrientations(job.pose, j)));
     else
       pair = resolvePair<Energies, N>(law, units.length, separation, {}, {});
     if (!anyOf(pair.touching)) continue;

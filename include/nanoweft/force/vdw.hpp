@@ -10,46 +10,11 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 
-#include "nanoweft/base/simd.hpp"
+#include "nanoweft/force/pair_table.hpp"
 #include "nanoweft/force/switch.hpp"
 
 namespace nanoweft {
-
-/// Energy of a point pair and u'(r)/r, from which the force follows.
-template <class V>
-struct PairValue {
-  V energy, slope;
-};
-
-/// D^-9.5 and D^-4 by multiplications and one square root: the paper's exponents.
-struct PaperExponents {
-  double alpha = 9.5, beta = 4.0;
-  template <class V>
-  NW_INLINE void powers(const V& d, const V& inverse, V& a, V& b) const {
-    using std::sqrt;
-    const V i2 = inverse * inverse;
-    b = i2 * i2;
-    a = b * b * i2 * sqrt(d);  // the root does not have to wait for the division
-  }
-};
-
-/// Any exponents, by pow.
-struct GeneralExponents {
-  double alpha = 9.5, beta = 4.0;
-  void powers(double, double inverse, double& a, double& b) const {
-    a = std::pow(inverse, alpha);
-    b = std::pow(inverse, beta);
-  }
-  template <class V>
-  NW_INLINE void powers(const V&, const V& inverse, V& a, V& b) const {
-    for (std::size_t k = 0; k < V::size(); ++k) {
-      a[k] = std::pow(static_cast<double>(inverse[k]), alpha);
-      b[k] = std::pow(static_cast<double>(inverse[k]), beta);
-    }
-  }
-};
 
 struct VdwParameters {
   double epsilon = 0.07124;  ///< eV
@@ -61,94 +26,81 @@ struct VdwParameters {
   bool smooth = true;                         ///< else the kink splice
 };
 
-template <class Exponents>
 class Vdw {
  public:
-  explicit Vdw(const VdwParameters& p)
-      : exponents_{p.alpha, p.beta},
-        inverseRadius_(1.0 / p.radius),
-        scale_(4.0 * p.epsilon),
-        a_(p.a),
-        b_(p.b),
-        stiffness_(p.stiffness),
-        cutoff_{p.switchFrom, p.cutoff} {
-    spliceD_ = minimumD();
+  explicit Vdw(const VdwParameters& p) : p_(p), switch_{p.switchFrom, p.cutoff} {
+    splice_ = restDistance();
     if (p.smooth) {
       // v'' falls from infinity to zero at the inflection, beyond the minimum: bisect for 2k.
-      double low = 1e-3 * spliceD_;
-      double high = std::pow(p.alpha * (p.alpha + 1) * p.a / (p.beta * (p.beta + 1) * p.b),
-                             1.0 / (p.alpha - p.beta));
+      double low = (2.0 + 1e-3 * distance(splice_)) * p.radius;
+      double high = (2.0 + std::pow(p.alpha * (p.alpha + 1) * p.a / (p.beta * (p.beta + 1) * p.b),
+                                    1.0 / (p.alpha - p.beta))) *
+                    p.radius;
       for (int k = 0; k < 200 && low < high; ++k) {
         const double middle = 0.5 * (low + high);
         (curvature(middle) > 2.0 * p.stiffness ? low : high) = middle;
       }
-      spliceD_ = 0.5 * (low + high);
+      splice_ = 0.5 * (low + high);
     }
-    splice_ = (spliceD_ + 2.0) * p.radius;
-    double u, du;
-    raw(spliceD_, 1.0 / spliceD_, u, du);
-    spliceEnergy_ = u;
-    spliceSlope_ = p.smooth ? du : 0.0;
+    spliceEnergy_ = attraction(splice_);
+    spliceSlope_ = p.smooth ? attractionSlope(splice_) : 0.0;
   }
 
-  double cutoff() const { return cutoff_.to; }
+  double cutoff() const { return p_.cutoff; }
   /// Where the potential without its switch is lowest.
-  double restDistance() const { return (minimumD() + 2.0) / inverseRadius_; }
+  double restDistance() const {
+    return (2.0 + std::pow(p_.alpha * p_.a / (p_.beta * p_.b), 1.0 / (p_.alpha - p_.beta))) *
+           p_.radius;
+  }
   double spliceDistance() const { return splice_; }
   /// Below this distance the walls of two fibres interpenetrate (D <= 0).
-  double closestSensible() const { return 2.0 / inverseRadius_; }
+  double closestSensible() const { return 2.0 * p_.radius; }
   /// Bound of |u'|.
-  double largestForce() const { return std::abs(spliceSlope_) + 2.0 * stiffness_ * splice_; }
+  double largestForce() const { return std::abs(spliceSlope_) + 2.0 * p_.stiffness * splice_; }
   /// Bound of u'' in repulsive contact.
-  double contactStiffness() const { return 2.0 * stiffness_; }
+  double contactStiffness() const { return 2.0 * p_.stiffness; }
 
-  template <class V>
-  NW_INLINE PairValue<V> operator()(const V& r2) const {
-    using std::sqrt;
-    const V r = sqrt(r2);
-    // Lanes below the splice take the linear branch; D is held there to stay finite.
-    V d = r * inverseRadius_ - 2.0;
-    const auto contact = !(r > V(splice_));
-    d = select(contact, V(spliceD_), d);
-    // At zero distance the direction is undefined and the force, slope times distance, vanishes.
-    const V floor = V(1e-12 * splice_);
-    const V length = select(r > floor, r, floor);
-    const V both = 1.0 / (d * length);  // one division for 1/d and 1/r
-    V u, du;
-    raw(d, V(both * length), u, du);
-    if (anyOf(contact)) {
-      const V s = r - splice_;
-      u = select(contact, V(spliceEnergy_ + s * (spliceSlope_ + stiffness_ * s)), u);
-      du = select(contact, V(spliceSlope_ + (2.0 * stiffness_) * s), du);
+  PairValue<double> operator()(double r2) const {
+    const double r = std::sqrt(r2);
+    double u, du;
+    if (r > splice_) {
+      u = attraction(r);
+      du = attractionSlope(r);
+      switch_.apply(r, u, du);
+    } else {
+      const double s = r - splice_;
+      u = spliceEnergy_ + s * (spliceSlope_ + p_.stiffness * s);
+      du = spliceSlope_ + 2.0 * p_.stiffness * s;
     }
-    cutoff_.apply(r, u, du);
-    return {u, du * (both * d)};
+    return {u, du / r};
+  }
+
+  /// The law as the kernels use it.
+  PairTable table() const {
+    return PairTable({splice_, p_.switchFrom, p_.cutoff},
+                     [this](double r) { return (*this)(r * r).slope; });
   }
 
  private:
-  /// v and v' from D and 1/D.
-  template <class V>
-  NW_INLINE void raw(const V& d, const V& inverse, V& u, V& du) const {
-    V pa, pb;
-    exponents_.powers(d, inverse, pa, pb);
-    u = scale_ * (a_ * pa - b_ * pb);
-    du = (scale_ * inverseRadius_) * inverse *
-         ((exponents_.beta * b_) * pb - (exponents_.alpha * a_) * pa);
+  double distance(double r) const { return r / p_.radius - 2.0; }
+  double attraction(double r) const {
+    const double d = distance(r);
+    return 4.0 * p_.epsilon * (p_.a * std::pow(d, -p_.alpha) - p_.b * std::pow(d, -p_.beta));
   }
-  double minimumD() const {
-    return std::pow(exponents_.alpha * a_ / (exponents_.beta * b_),
-                    1.0 / (exponents_.alpha - exponents_.beta));
+  double attractionSlope(double r) const {
+    const double d = distance(r);
+    return 4.0 * p_.epsilon / (p_.radius * d) *
+           (p_.beta * p_.b * std::pow(d, -p_.beta) - p_.alpha * p_.a * std::pow(d, -p_.alpha));
   }
-  double curvature(double d) const {
-    const double al = exponents_.alpha, be = exponents_.beta;
-    return scale_ * inverseRadius_ * inverseRadius_ *
-           (al * (al + 1) * a_ * std::pow(d, -al - 2) - be * (be + 1) * b_ * std::pow(d, -be - 2));
+  double curvature(double r) const {
+    const double d = distance(r), al = p_.alpha, be = p_.beta, width = p_.radius * d;
+    return 4.0 * p_.epsilon / (width * width) *
+           (al * (al + 1) * p_.a * std::pow(d, -al) - be * (be + 1) * p_.b * std::pow(d, -be));
   }
 
-  Exponents exponents_;
-  double inverseRadius_, scale_, a_, b_, stiffness_;
-  Switch cutoff_;
-  double spliceD_ = 0, splice_ = 0, spliceEnergy_ = 0, spliceSlope_ = 0;
+  VdwParameters p_;
+  Switch switch_;
+  double splice_ = 0, spliceEnergy_ = 0, spliceSlope_ = 0;
 };
 
 }  // namespace nanoweft
