@@ -12,6 +12,9 @@ namespace {
 /// More cells than this per direction would only cost memory in the histograms below.
 constexpr double mostCells = 4096;
 constexpr double mostCellsInAll = 1 << 24;
+/// And more than this for each segment only memory: fibres that have left an open box far behind
+/// would otherwise fill the space between them with cells.
+constexpr double mostCellsPerSegment = 8;
 
 /// Ranks per direction: of all ways to factor their number, the one with the least cut area, and
 /// with parts no thinner than a cell when there is such a way.
@@ -69,9 +72,11 @@ CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
     cells_[d] = static_cast<int>(std::clamp(std::floor(length[d] / range), 1.0, mostCells));
   }
   // A vast box has coarser cells: the DMDA numbers them with 32 bits, and its vectors count them.
-  while (static_cast<double>(cells_[0]) * cells_[1] * cells_[2] > mostCellsInAll) {
-    int& most = *std::ranges::max_element(cells_);
-    most = (most + 1) / 2;
+  const double most = std::min(
+      mostCellsInAll, std::max(4096.0, mostCellsPerSegment * static_cast<double>(state.total())));
+  while (static_cast<double>(cells_[0]) * cells_[1] * cells_[2] > most) {
+    int& longest = *std::ranges::max_element(cells_);
+    longest = (longest + 1) / 2;
   }
   parts_ = arrangeRanks(state.ranks(), length, periodic_, cells_);
   for (int d = 0; d < 3; ++d) {

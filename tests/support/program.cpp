@@ -34,12 +34,19 @@ Folder::~Folder() {
 namespace {
 
 // Waiting threads and ranks must not spin: tests run with more of them than there are cores.
-std::string command(const Folder& folder, const std::string& options, int ranks, int threads) {
+std::string launch(const Folder& folder, const std::string& start, const std::string& options,
+                   int threads) {
   return "cd '" + folder.path().string() + "' && OMP_NUM_THREADS=" + std::to_string(threads) +
          " OMP_WAIT_POLICY=passive OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
-         " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none exec "
-         "'" NANOWEFT_MPIEXEC "' --quiet --oversubscribe --bind-to none -n " +
-         std::to_string(ranks) + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
+         " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none exec " +
+         start + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
+}
+
+std::string command(const Folder& folder, const std::string& options, int ranks, int threads) {
+  return launch(
+      folder,
+      "'" NANOWEFT_MPIEXEC "' --quiet --oversubscribe --bind-to none -n " + std::to_string(ranks),
+      options, threads);
 }
 
 Outcome finish(const Folder& folder, int status) {
@@ -52,6 +59,10 @@ Outcome finish(const Folder& folder, int status) {
 Outcome run(const Folder& folder, const std::string& options, int ranks, int threads) {
   return finish(folder,
                 std::system(("(" + command(folder, options, ranks, threads) + ")").c_str()));
+}
+
+Outcome runAlone(const Folder& folder, const std::string& options) {
+  return finish(folder, std::system(("(" + launch(folder, "", options, 1) + ")").c_str()));
 }
 
 Outcome runBeside(const Folder& folder, const std::string& options, int ranks,

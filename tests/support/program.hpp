@@ -33,7 +33,9 @@ struct Outcome {
 
 /// Runs nanoweft in `folder`.
 Outcome run(const Folder& folder, const std::string& options, int ranks = 1, int threads = 1);
-/// The same, with a shell command that runs beside it and finds the process id of mpirun in $PID.
+/// One rank without mpirun, which takes two seconds to notice a failure.
+Outcome runAlone(const Folder& folder, const std::string& options);
+/// As run, with a shell command that runs beside it and finds the process id of mpirun in $PID.
 Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
                   const std::string& beside);
 

@@ -94,7 +94,8 @@ class Simulation {
   std::int64_t lastRecorded_ = -1, lastCheckpoint_ = -1, firstStep_ = 0;
   double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0;
   bool limitWarned_ = false;
-  Energies first_;  ///< of the first state
+  Energies first_;        ///< of the first state
+  double available_ = 0;  ///< energy that there was to turn into motion, at its most
   std::int64_t firstResolved_ = 0;
   double wallStart_ = 0, lastProgress_ = 0, progressWall_ = 0;
   std::int64_t progressStep_ = 0;

@@ -1,0 +1,67 @@
+#include "support/state_edit.hpp"
+
+#include <stdexcept>
+
+#include "nanoweft/base/hdf5.hpp"
+#include "support/program.hpp"
+
+namespace nanoweft::test {
+
+void setDataset(const std::string& file, const std::string& name, const std::vector<double>& values,
+                int columns) {
+  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  h5::Handle group(f.valid() ? H5Gopen2(f, "state", H5P_DEFAULT) : -1, H5Gclose);
+  if (!group.valid()) throw std::runtime_error("no /state in " + file);
+  const auto width = static_cast<hsize_t>(columns);
+  const hsize_t shape[2] = {values.size() / width, width};
+  if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0) {
+    h5::Handle space(H5Screate_simple(columns == 1 ? 1 : 2, shape, nullptr), H5Sclose);
+    h5::Handle made(H5Dcreate2(group, name.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT,
+                               H5P_DEFAULT, H5P_DEFAULT),
+                    H5Dclose);
+  }
+  h5::Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    throw std::runtime_error("cannot write " + name);
+}
+
+void setMotion(const std::string& file, const VectorField& v, const VectorField& w) {
+  const auto x = readVectors(file, "/state/position");
+  std::vector<double> velocity, angular;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3d a = v(i, x[i]), b = w(i, x[i]);
+    velocity.insert(velocity.end(), {a.x, a.y, a.z});
+    angular.insert(angular.end(), {b.x, b.y, b.z});
+  }
+  setDataset(file, "velocity", velocity, 3);
+  setDataset(file, "angular_velocity", angular, 3);
+}
+
+void stopMotion(const std::string& file) {
+  const auto rest = [](std::size_t, const Vec3d&) { return Vec3d{}; };
+  setMotion(file, rest, rest);
+}
+
+void reverseMotion(const std::string& file) {
+  for (const char* name : {"velocity", "angular_velocity"}) {
+    auto values = readDataset(file, std::string("/state/") + name);
+    for (double& x : values) x = -x;
+    setDataset(file, name, values, 3);
+  }
+}
+
+std::vector<Vec3d> readVectors(const std::string& file, const std::string& name) {
+  const auto a = readDataset(file, name);
+  std::vector<Vec3d> vectors;
+  for (std::size_t k = 0; k < a.size(); k += 3) vectors.push_back({a[k], a[k + 1], a[k + 2]});
+  return vectors;
+}
+
+std::vector<Quatd> readOrientations(const std::string& file) {
+  const auto a = readDataset(file, "/state/orientation");
+  std::vector<Quatd> q;
+  for (std::size_t k = 0; k < a.size(); k += 4) q.push_back({a[k], a[k + 1], a[k + 2], a[k + 3]});
+  return q;
+}
+
+}  // namespace nanoweft::test
