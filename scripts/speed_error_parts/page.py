@@ -136,7 +136,7 @@ monitors NwRecord runs only at the start and the end.
 * Shear: with a quarter of B2 and B3 = EJ/T - B2/4 - B4/2 the bending stiffness stays and the stable step of a free chain grows, but crossings
   shear and the elastic energy of a weave changes by the error above. Not worth it where fibres are bent at contacts.
 * Breakage can stay off while strains are far below the critical ones: the stress is the same to the last bit.
-* Viscous damping needs velocities and a second sum over the pairs; local damping is free.
+* Viscous damping needs velocities and a second sum over the pairs; what local damping costs is within the noise.
 * Monitors: at every step they need the energies of all pairs; every 100 steps they cost nothing that can be measured.
 """
 

@@ -1,5 +1,5 @@
-"""Checks of nanoweft against closed forms, one file for each family."""
-from . import bending, buckling, folded, torsion, tubes, twisted, vibration
+"""Checks of nanoweft against closed forms and conservation laws, one file for each family."""
+from . import bending, buckling, energy, folded, torsion, tubes, twisted, vibration
 
 ALL = {**bending.CHECKS, **buckling.CHECKS, **vibration.CHECKS, **torsion.CHECKS, **twisted.CHECKS,
-       **tubes.CHECKS, **folded.CHECKS}
+       **tubes.CHECKS, **folded.CHECKS, **energy.CHECKS}

@@ -117,6 +117,29 @@ def draw_folded(axes):
     axes.set(title="rackets and rings at rest", xlabel="Å", ylabel="Å", aspect="equal")
 
 
+def draw_order(axes):
+    steps = None
+    names = [name for name in CURVES if name.startswith("energy_")]
+    for k, name in enumerate(names):
+        steps, error = np.array(CURVES[name]).T
+        axes.loglog(steps, error, "o-", ms=3, color=COLOURS[k % 6], label=name[7:])
+    if names:
+        axes.loglog(steps, error[0] * (steps / steps[0])**2, color=INK, ls="--", label="second order")
+        axes.legend()
+    axes.set(title="energy balance: error over the energy put in", xlabel="step, fs", ylabel="error")
+    axes.set_xticks([1, 2, 4, 8, 16], ["1", "2", "4", "8", "16"])
+    axes.minorticks_off()
+
+
+def draw_drift(axes):
+    for k, name in enumerate(name for name in CURVES if name.startswith("drift_")):
+        axes.plot(*CURVES[name], color=COLOURS[k], label=f"undamped {name[6:]}")
+    axes.set(title="a million steps: energy less its start", xlabel="step",
+             ylabel="over the energy of the start")
+    if any(name.startswith("drift_") for name in CURVES):
+        axes.legend()
+
+
 def draw_rows(axes, rows):
     families = list(dict.fromkeys(row.family for row in rows))
     for k, family in enumerate(families):
@@ -134,11 +157,12 @@ def draw(rows):
     if not rows:
         return
     with plt.rc_context(STYLE):
-        figure = plt.figure(figsize=(12, 10), layout="constrained")
-        grid = figure.add_gridspec(3, 3, height_ratios=(3, 3, 2.2))
-        panels = (draw_elastica, draw_convergence, draw_buckling, draw_adhesion, draw_corrugation, draw_folded)
+        figure = plt.figure(figsize=(15, 10), layout="constrained")
+        grid = figure.add_gridspec(3, 4, height_ratios=(3, 3, 2.2))
+        panels = (draw_elastica, draw_convergence, draw_buckling, draw_order,
+                  draw_adhesion, draw_corrugation, draw_folded, draw_drift)
         for k, panel in enumerate(panels):
-            panel(figure.add_subplot(grid[k // 3, k % 3]))
+            panel(figure.add_subplot(grid[k // 4, k % 4]))
         draw_rows(figure.add_subplot(grid[2, :]), rows)
         figure.savefig(RESULTS / "picture.png")
         plt.close(figure)
