@@ -125,7 +125,7 @@ def draw_order(axes):
         axes.loglog(steps, error, "o-", ms=3, color=COLOURS[k % 6], label=name[7:])
     if names:
         axes.loglog(steps, error[0] * (steps / steps[0])**2, color=INK, ls="--", label="second order")
-        axes.legend()
+        axes.legend(loc="upper left")
     axes.set(title="energy balance: error over the energy put in", xlabel="step, fs", ylabel="error")
     axes.set_xticks([1, 2, 4, 8, 16], ["1", "2", "4", "8", "16"])
     axes.minorticks_off()
