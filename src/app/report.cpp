@@ -128,6 +128,14 @@ void Simulation::printSummary() const {
               (state_->time - firstTime_) * units_.secondsPerTime * 1e9 / wall * 86400.0,
               static_cast<long long>(forces_->rebuilds()), domain_->imbalance(),
               static_cast<double>(memory) / 1024.0);
+  if (state_->ranks() > 1) {
+    const Domain::Census census = domain_->census(*state_);
+    PetscPrintf(comm_,
+                "partition: %s, imbalance of work %.3f, %.4g ghosts a segment, %lld bonds cut\n",
+                domain_->partition(), domain_->imbalance(),
+                static_cast<double>(census.ghosts) / static_cast<double>(state_->total()),
+                static_cast<long long>(census.cutBonds));
+  }
   PetscPrintf(comm_,
               "energy balance: total + damped + broken - external drifted by %.3g %s (damped %.6g, "
               "external %.6g, broken %.6g)\n",

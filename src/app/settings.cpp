@@ -66,11 +66,19 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   r.allowOverlap = pair.flag("pair_allow_overlap", false, "start even though fibres overlap");
 
   OptionSection parallel(options, "Parallel");
-  parallel.choice("partition", "auto", {"auto", "dmda"},
-                  "how segments are shared among ranks: rectilinear cuts of the cell grid");
-  r.partitionTolerance =
+  const std::string kind = parallel.choice(
+      "partition", "auto", {"auto", "dmda", "metis"},
+      "how segments are shared among ranks: straight cuts of the cell grid, METIS on "
+      "pieces of fibres, or METIS where straight cuts stay unequal");
+  r.partition.kind = kind == "dmda"    ? PartitionSettings::rectilinear
+                     : kind == "metis" ? PartitionSettings::metis
+                                       : PartitionSettings::automatic;
+  r.partition.tolerance =
       parallel.real("partition_tolerance", 1.05, "",
-                    "most segments of a rank over the mean before the grid is cut anew", {1.0});
+                    "most work of a rank over the mean before the shares are made anew", {1.0});
+  OptionSection metis(options, "Parallel", kind != "dmda", "-partition is dmda");
+  r.partition.piece = static_cast<int>(metis.integer(
+      "partition_piece", 32, "segments of a fibre that METIS keeps together", 1, 1000000));
 
   OptionSection out(options, "Output");
   r.monitorInterval =

@@ -139,13 +139,14 @@ void Simulation::build() {
   firstStep_ = state_->step;
   firstTime_ = state_->time;
 
-  domain_ = std::make_unique<Domain>(*state_, std::make_unique<RectilinearPartitioner>(),
-                                     settings_.partitionTolerance);
+  domain_ = std::make_unique<Domain>(*state_, settings_.partition);
   forces_->rebuild(*state_, *domain_);
   if (breaks) {
     spreadOldBreaks(*state_, forces_->pair() ? forces_->pair()->exclude() : 0);
     forces_->rebuild(*state_, *domain_);  // the bond lists again, without the broken ones
   }
+  // The first shares know nothing of the work; the next ones do, and METIS may have to help.
+  for (int k = 0; k < 2 && domain_->unequal(); ++k) forces_->rebuild(*state_, *domain_);
   if (!restartHeader_ && forces_->pair() && !settings_.allowOverlap) refuseOverlap();
   chooseStep();
   const std::int64_t restartStep = restartHeader_ ? state_->step : -1;

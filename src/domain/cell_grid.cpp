@@ -41,20 +41,19 @@ std::array<int, 3> arrangeRanks(int ranks, const std::array<double, 3>& length,
 }
 
 /// Cuts `histogram` into `parts` runs of about equal sums, none empty of cells.
-std::vector<PetscInt> cut(const std::vector<std::int64_t>& histogram, int parts) {
+std::vector<PetscInt> cut(const std::vector<double>& histogram, int parts) {
   const int cells = static_cast<int>(histogram.size());
-  std::int64_t total = 0;
-  for (std::int64_t h : histogram) total += h;
+  double total = 0;
+  for (double h : histogram) total += h;
   std::vector<PetscInt> ends;
-  std::int64_t sum = 0;
+  double sum = 0;
   int cell = 0;
   for (int p = 1; p <= parts; ++p) {
     const int first = ends.empty() ? 1 : ends.back() + 1, last = cells - (parts - p);
     // Stop where the sum is nearest to its share.
-    const double share = static_cast<double>(total) * p / parts;
+    const double share = total * p / parts;
     while (cell < last &&
-           (cell < first ||
-            sum + 0.5 * static_cast<double>(histogram[static_cast<std::size_t>(cell)]) < share))
+           (cell < first || sum + 0.5 * histogram[static_cast<std::size_t>(cell)] < share))
       sum += histogram[static_cast<std::size_t>(cell++)];
     ends.push_back(p == parts ? cells : cell);
   }
@@ -64,7 +63,8 @@ std::vector<PetscInt> cut(const std::vector<std::int64_t>& histogram, int parts)
 }  // namespace
 
 CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
-                   const std::array<double, 3>& upper, double range)
+                   const std::array<double, 3>& upper, double range,
+                   const std::vector<double>& work)
     : range_(range), lower_(lower), upper_(upper), periodic_(state.box.periodic) {
   std::array<double, 3> length;
   for (int d = 0; d < 3; ++d) {
@@ -85,12 +85,13 @@ CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
     inverseEdge_[d] = cells_[d] / length[d];
     // The tiny slack: an edge that equals the range up to round-off still needs one cell only.
     reach_[d] = static_cast<int>(std::ceil(range * inverseEdge_[d] * (1 - 1e-12)));
-    std::vector<std::int64_t> histogram(static_cast<std::size_t>(cells_[d]), 0);
+    std::vector<double> histogram(static_cast<std::size_t>(cells_[d]), 0.0);
     for (int i = 0; i < state.owned(); ++i) {
       const double c = (state.pose[8 * i + d] - lower_[d]) * inverseEdge_[d];
-      ++histogram[static_cast<std::size_t>(std::clamp(c, 0.0, cells_[d] - 1.0))];
+      histogram[static_cast<std::size_t>(std::clamp(c, 0.0, cells_[d] - 1.0))] +=
+          work[static_cast<std::size_t>(i)];
     }
-    MPI_Allreduce(MPI_IN_PLACE, histogram.data(), cells_[d], MPI_INT64_T, MPI_SUM, state.comm());
+    MPI_Allreduce(MPI_IN_PLACE, histogram.data(), cells_[d], MPI_DOUBLE, MPI_SUM, state.comm());
     ends_[d] = cut(histogram, parts_[d]);
   }
   std::array<std::vector<PetscInt>, 3> widths;

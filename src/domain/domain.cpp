@@ -6,14 +6,38 @@
 
 namespace nanoweft {
 
-Domain::Domain(State& state, std::unique_ptr<Partitioner> partitioner, double tolerance)
-    : partitioner_(std::move(partitioner)), tolerance_(tolerance), halo_(state.comm()) {}
+Domain::Domain(State& state, const PartitionSettings& settings)
+    : settings_(settings),
+      partitioner_(std::make_unique<RectilinearPartitioner>()),
+      halo_(state.comm()) {
+  if (settings.kind == PartitionSettings::metis && state.ranks() > 1) {
+    partitioner_ = std::make_unique<MetisPartitioner>(settings.piece);
+    metis_ = true;
+  }
+}
 
-void Domain::rebuild(State& state, double range, double cell) {
+bool Domain::turnToMetis(const State& state) {
+  // Cuts by known work that came out unequal are as good as straight cuts get.
+  if (settings_.kind != PartitionSettings::automatic || metis_ || !fresh_) return false;
+  // Without many pieces for each rank METIS has nothing to balance with.
+  if (state.total() < 25LL * settings_.piece * state.ranks()) return false;
+  partitioner_ = std::make_unique<MetisPartitioner>(settings_.piece);
+  return metis_ = true;
+}
+
+void Domain::rebuild(State& state, double range, double cell, const std::vector<double>* known) {
+  std::vector<double> work =
+      known ? *known : std::vector<double>(static_cast<std::size_t>(state.owned()), 1.0);
+  bool anew = false;
+  if (state.ranks() > 1 && unequal())
+    // What the last shares could not reach is not worth trying again until it gets worse.
+    anew = turnToMetis(state) || !fresh_ || imbalance_ > reached_ + 0.02;
+  if (anew) fresh_ = known != nullptr, reached_ = 0;
   for (double reach = cell;; reach *= 1.5) {
     state.dropGhosts();
-    layGrid(state, reach);
-    if (state.ranks() > 1) state.migrate(partitioner_->assign(state, *grid_));
+    layGrid(state, reach, work, anew && !metis_);
+    if (state.ranks() > 1) state.migrate(partitioner_->assign(state, *grid_, work, anew));
+    anew = false;
     state.permute(CellIndex(state, *grid_, state.owned()).order);
     halo_.build(state, *grid_, range);
     // A bond may be longer than the pair range; then look further.
@@ -22,13 +46,19 @@ void Domain::rebuild(State& state, double range, double cell) {
     if (!missing) break;
     if (reach > 1e6 * cell)
       throw RunError("a segment's neighbour along its fibre cannot be found in the box");
+    work.assign(static_cast<std::size_t>(state.owned()), 1.0);
   }
-  std::int64_t most = state.owned();
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, state.comm());
-  imbalance_ = static_cast<double>(most) * state.ranks() / static_cast<double>(state.total());
 }
 
-void Domain::layGrid(const State& state, double range) {
+void Domain::noteWork(const State& state, double ownWork) {
+  double most = ownWork, all = ownWork;
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, state.comm());
+  imbalance_ = all > 0 ? most * state.ranks() / all : 1.0;
+  if (reached_ == 0) reached_ = imbalance_;
+}
+
+void Domain::layGrid(const State& state, double range, const std::vector<double>& work, bool anew) {
   // lower corner, negated upper corner: one reduction.
   std::array<double, 6> extent;
   extent.fill(std::numeric_limits<double>::infinity());
@@ -43,9 +73,8 @@ void Domain::layGrid(const State& state, double range) {
     lower[d] = state.box.periodic[d] ? state.box.lower[d] : extent[d];
     upper[d] = state.box.periodic[d] ? state.box.upper[d] : -extent[3 + d];
   }
-  const bool balanced = imbalance_ <= tolerance_ || state.ranks() == 1;
-  if (grid_ && grid_->range() == range && balanced && grid_->covers(lower, upper)) return;
-  grid_ = std::make_unique<CellGrid>(state, lower, upper, range);
+  if (grid_ && grid_->range() == range && !anew && grid_->covers(lower, upper)) return;
+  grid_ = std::make_unique<CellGrid>(state, lower, upper, range, work);
   petsc(DMSwarmSetCellDM(state.swarm(), grid_->dm()));
 }
 
@@ -58,6 +87,15 @@ bool Domain::findPartners(const State& state) {
       return false;
   }
   return true;
+}
+
+Domain::Census Domain::census(const State& state) const {
+  std::int64_t counts[2] = {state.ghosts(), 0};
+  for (int i = 0; i < state.owned(); ++i)
+    if (const auto next = state.successor(i); next >= 0)
+      counts[1] += local_.at(next) >= state.owned();
+  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, state.comm());
+  return {counts[0], counts[1]};
 }
 
 void requireWideBox(const Box& box, double range, const char* length) {

@@ -34,7 +34,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
   tuneSkin(state);
   const double begin = MPI_Wtime();
   // Without pairs the halo holds bond partners alone; the cells then only need to find them.
-  domain.rebuild(state, listRange(), std::max(listRange(), 2.0 * settings_.fibre.length));
+  domain.rebuild(state, listRange(), std::max(listRange(), 2.0 * settings_.fibre.length),
+                 rebuilds_ > 0 ? &work_ : nullptr);
   shares_ = shareSegments(state, domain.grid(), settings_.threads);
   bonds_.build(state, domain, shares_, settings_.breakage);
   if (settings_.pair) {
@@ -46,10 +47,21 @@ void ForceField::rebuild(State& state, Domain& domain) {
     if (viscous()) viscousSums_.resize(sums_.size());
     halfSkin2_ = 0.25 * skin_ * skin_;
   }
+  noteWork(state, domain);
   ++rebuilds_;
   rebuildSeconds_ = MPI_Wtime() - begin;
   pairSeconds_ = 0;
   evaluations_ = 0;
+}
+
+void ForceField::noteWork(const State& state, Domain& domain) {
+  // A segment's own part of a step costs about as much as this many pairs.
+  constexpr double pairsPerSegment = 3.0;
+  work_.assign(static_cast<std::size_t>(state.owned()), pairsPerSegment);
+  if (settings_.pair) pairs_.count(work_);
+  double sum = 0;
+  for (double w : work_) sum += w;
+  domain.noteWork(state, sum);
 }
 
 void ForceField::tuneSkin(const State& state) {

@@ -49,6 +49,7 @@ void PairList::build(const State& state, const CellGrid& grid, const std::vector
       if (const int i = cells.order[static_cast<std::size_t>(k)]; i < owned)
         cellOfOwned[static_cast<std::size_t>(i)] = r.cell;
   threads_.resize(shares.size());
+  shares_ = shares;
 
   struct Neighbour {
     Vec3d x;
@@ -101,6 +102,17 @@ void PairList::build(const State& state, const CellGrid& grid, const std::vector
       }
     }
   }
+}
+
+void PairList::count(std::vector<double>& pairs) const {
+  const auto owned = static_cast<std::int32_t>(pairs.size());
+  for (std::size_t t = 0; t < threads_.size(); ++t)
+    for (const auto* list : {&threads_[t].inner, &threads_[t].outer})
+      for (const ListPair& p : *list)
+        for (std::int32_t k : {p.i, p.j})
+          // A pair of two threads stands in both lists.
+          if (k < owned && k >= shares_[t].begin && k < shares_[t].end)
+            pairs[static_cast<std::size_t>(k)] += 0.5;
 }
 
 std::int64_t PairList::size() const {

@@ -58,9 +58,9 @@ TEST(Restart, ConvergenceIsRemembered) {
 
 TEST(Restart, SignalsWriteACheckpointAndEndWithThree) {
   const std::string options =
-      "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 4000 -checkpoint_file "
+      "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 60000 -checkpoint_file "
       "c.h5 "
-      "-checkpoint_interval 100000 -progress_interval 0.2" +
+      "-checkpoint_interval 100000 -progress_interval 0.05" +
       energy;
   const Folder whole, pieces;
   auto outcome = run(whole, options + " -state_output out.h5", 1);

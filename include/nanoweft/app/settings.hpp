@@ -6,6 +6,7 @@
 
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
+#include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/bond_list.hpp"
 #include "nanoweft/force/pair_force.hpp"
 #include "nanoweft/state/box.hpp"
@@ -28,7 +29,7 @@ struct RunSettings {
   ViscousDamping viscous;
   double skin = 0;
   bool allowOverlap = false;
-  double partitionTolerance = 1.05;
+  PartitionSettings partition;
   std::uint64_t seed = 1;
   double perturb = 0;
 

@@ -18,10 +18,10 @@ namespace nanoweft {
 class CellGrid {
  public:
   /// Cells with edges of at least `range`, cut among the ranks so that each gets about the same
-  /// number of segments. `lower`, `upper`: the box in periodic directions, else the segments'
-  /// extent.
+  /// `work` (of each owned segment). `lower`, `upper`: the box in periodic directions, else the
+  /// segments' extent.
   CellGrid(const State& state, const std::array<double, 3>& lower,
-           const std::array<double, 3>& upper, double range);
+           const std::array<double, 3>& upper, double range, const std::vector<double>& work);
   ~CellGrid();
   CellGrid(const CellGrid&) = delete;
   CellGrid& operator=(const CellGrid&) = delete;

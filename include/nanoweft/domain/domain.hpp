@@ -8,29 +8,51 @@
 
 namespace nanoweft {
 
+/// How segments are shared among ranks.
+struct PartitionSettings {
+  enum Kind { rectilinear, metis, automatic } kind = automatic;
+  double tolerance =
+      1.05;        ///< largest work of a rank over the mean before the shares are made anew
+  int piece = 32;  ///< segments in a piece of fibre that METIS keeps together
+};
+
 class Domain {
  public:
-  /// `tolerance`: largest owned count over the mean before the grid is cut anew.
-  Domain(State& state, std::unique_ptr<Partitioner> partitioner, double tolerance);
+  Domain(State& state, const PartitionSettings& settings);
 
   /// Gives every segment to its rank, sorts the owned ones by cell and chain, and builds the halo.
   /// `range`: reach of the pair list, 0 without one; `cell`: smallest edge of a cell, at least the
-  /// range. Bond partners are found however long the bond.
-  void rebuild(State& state, double range, double cell);
+  /// range; `known`: the work of each owned segment, null before it has been measured (on all ranks
+  /// alike). Bond partners are found however long the bond.
+  void rebuild(State& state, double range, double cell, const std::vector<double>* known);
+
+  /// The work that the shares of the last rebuild turned out to be.
+  void noteWork(const State& state, double ownWork);
 
   Halo& halo() { return halo_; }
   const CellGrid& grid() const { return *grid_; }
   /// Local index of a row, owned or ghost, or -1.
   int localIndex(std::int64_t row) const { return local_.at(row); }
-  /// Largest number of owned segments over the mean.
+  /// Largest work of a rank over the mean.
   double imbalance() const { return imbalance_; }
+  bool unequal() const { return imbalance_ > settings_.tolerance; }
+  /// Ghosts of all ranks, and bonds between segments of two ranks. Collective.
+  struct Census {
+    std::int64_t ghosts, cutBonds;
+  };
+  Census census(const State& state) const;
+  /// "rectilinear" or "metis".
+  const char* partition() const { return metis_ ? "metis" : "rectilinear"; }
 
  private:
-  void layGrid(const State& state, double range);
+  bool turnToMetis(const State& state);
+  void layGrid(const State& state, double range, const std::vector<double>& work, bool anew);
   bool findPartners(const State& state);
 
+  PartitionSettings settings_;
   std::unique_ptr<Partitioner> partitioner_;
-  double tolerance_, imbalance_ = 1.0;
+  bool metis_ = false, fresh_ = false;  ///< fresh: the last rebuild made the shares by known work
+  double imbalance_ = 1.0, reached_ = 1.0;
   std::unique_ptr<CellGrid> grid_;
   IndexMap local_;
   Halo halo_;

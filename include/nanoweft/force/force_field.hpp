@@ -68,6 +68,7 @@ class ForceField {
 
  private:
   void tuneSkin(const State& state);
+  void noteWork(const State& state, Domain& domain);
 
   Settings settings_;
   MinimumImage nearest_;
@@ -76,7 +77,7 @@ class ForceField {
   PairList pairs_;
   BondList bonds_;
   std::vector<Share> shares_;
-  std::vector<double> reference_;
+  std::vector<double> reference_, work_;
   std::vector<std::int64_t> sums_, viscousSums_;
   std::int64_t rebuilds_ = 0, resolved_ = 0;
   // Since the last rebuild, for tuning the skin.

@@ -33,9 +33,13 @@ class PairList {
   };
   const std::vector<ThreadPairs>& threads() const { return threads_; }
   std::int64_t size() const;
+  /// Adds to each owned segment half of a pair for each that it is in, as it would be if all
+  /// segments were owned.
+  void count(std::vector<double>& pairs) const;
 
  private:
   std::vector<ThreadPairs> threads_;
+  std::vector<Share> shares_;
 };
 
 /// Places from segment i on to segment j of the same fibre the shorter way (negative: back), or
