@@ -1,6 +1,8 @@
 #include "nanoweft/force/pair_sift.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 #include "nanoweft/force/gather.hpp"
 
@@ -10,38 +12,45 @@ PairSift::PairSift(const PairJob& job, const Switch& blend, double reach)
     : job_(job),
       from2_(blend.from * blend.from),
       to2_(blend.to * blend.to),
-      reach2_(reach * reach) {}
+      reach2_(reach * reach),
+      blends_(std::isfinite(blend.to)) {}
 
 void PairSift::sift(std::size_t first) {
-  const int used = static_cast<int>(std::min<std::size_t>(laneCount, job_.count - first));
-  std::int32_t i[laneCount], j[laneCount];
-  for (int k = 0; k < laneCount; ++k) {
-    const ListPair& pair = job_.pairs[first + static_cast<std::size_t>(std::min(k, used - 1))];
-    i[k] = pair.i;
-    j[k] = pair.j;
+  const std::size_t used = std::min<std::size_t>(laneCount, job_.count - first);
+  alignas(64) std::int32_t i[laneCount], j[laneCount];
+  if (used == laneCount) {
+    for (std::size_t k = 0; k < laneCount; ++k) {
+      i[k] = job_.pairs[first + k].i;
+      j[k] = job_.pairs[first + k].j;
+    }
+  } else {
+    for (std::size_t k = 0; k < laneCount; ++k) {
+      i[k] = job_.pairs[first + std::min(k, used - 1)].i;
+      j[k] = job_.pairs[first + std::min(k, used - 1)].j;
+    }
   }
   const Vec3<Lanes> d =
       (*job_.nearest)(gatherPositions(job_.pose, j) - gatherPositions(job_.pose, i));
-  alignas(64) double x[laneCount], y[laneCount], z[laneCount], r2[laneCount];
-  d.x.copy_to(x, stdx::vector_aligned);
-  d.y.copy_to(y, stdx::vector_aligned);
-  d.z.copy_to(z, stdx::vector_aligned);
-  dot(d, d).copy_to(r2, stdx::vector_aligned);
-  for (int k = 0; k < used; ++k) {
-    // Sums of comparisons: a branch here would be mispredicted often.
-    const int which = !(r2[k] < from2_) + !(r2[k] < to2_) + !(r2[k] < reach2_);
-    PairBlock& b = blocks_[r2[k] < reach2_ ? which : dropped];
-    const int n = b.count++;
-    b.i[n] = i[k];
-    b.j[n] = j[k];
-    b.x[n] = x[k];
-    b.y[n] = y[k];
-    b.z[n] = z[k];
-  }
-  blocks_[dropped].count = 0;
+  const Lanes r2 = dot(d, d);
+  const unsigned valid = (1u << used) - 1;
+  const unsigned inNear = lanesBelow(r2, from2_) & valid, inBlend = lanesBelow(r2, to2_) & valid,
+                 inReach = lanesBelow(r2, reach2_) & valid;
+  auto pack = [&](Class which, unsigned chosen) {
+    PairBlock& b = blocks_[which];
+    packLanes(chosen, i, b.i + b.count);
+    packLanes(chosen, j, b.j + b.count);
+    packLanes(chosen, d.x, b.x + b.count);
+    packLanes(chosen, d.y, b.y + b.count);
+    packLanes(chosen, d.z, b.z + b.count);
+    b.count += std::popcount(chosen);
+  };
+  pack(near, inReach & inNear);
+  if (!blends_) return;
+  pack(blended, inReach & inBlend & ~inNear);
+  pack(far, inReach & ~inBlend);
 }
 
-const PairBlock* PairSift::handOut(int which, Class& result) {
+const PairBlock* PairSift::handOut(Class which, Class& result) {
   PairBlock& b = blocks_[which];
   for (int n = b.count; n % laneCount; ++n) {
     b.i[n] = b.i[n - 1];
@@ -51,18 +60,18 @@ const PairBlock* PairSift::handOut(int which, Class& result) {
     b.z[n] = b.z[n - 1];
   }
   given_ = which;
-  result = static_cast<Class>(which);
+  result = which;
   return &b;
 }
 
 const PairBlock* PairSift::next(Class& which) {
   blocks_[given_].count = 0;
   for (; place_ < job_.count; place_ += laneCount) {
-    for (int c = near; c < dropped; ++c)
-      if (blocks_[c].count > PairBlock::capacity - laneCount) return handOut(c, which);
+    for (Class c : {near, blended, far})
+      if (blocks_[c].count > PairBlock::capacity - 2 * laneCount) return handOut(c, which);
     sift(place_);
   }
-  for (int c = near; c < dropped; ++c)
+  for (Class c : {near, blended, far})
     if (blocks_[c].count > 0) return handOut(c, which);
   return nullptr;
 }

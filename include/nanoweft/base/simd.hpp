@@ -185,4 +185,40 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const LaneInd
   return loadRows<columns>(table, index.at);
 }
 
+/// Which lanes are below a limit, as bits.
+NW_INLINE unsigned lanesBelow(const Lanes& v, double limit) {
+#ifdef __AVX512F__
+  return _mm512_cmp_pd_mask(static_cast<__m512d>(v), _mm512_set1_pd(limit), _CMP_LT_OQ);
+#else
+  unsigned bits = 0;
+  for (std::size_t k = 0; k < laneCount; ++k) bits |= static_cast<unsigned>(v[k] < limit) << k;
+  return bits;
+#endif
+}
+
+/// Writes the chosen lanes one after the other; up to a whole vector of `out` is overwritten.
+NW_INLINE void packLanes(unsigned chosen, const Lanes& v, double* out) {
+#ifdef __AVX512F__
+  _mm512_storeu_pd(
+      out, _mm512_maskz_compress_pd(static_cast<__mmask8>(chosen), static_cast<__m512d>(v)));
+#else
+  for (std::size_t k = 0; k < laneCount; ++k) {
+    *out = v[k];
+    out += chosen >> k & 1;
+  }
+#endif
+}
+NW_INLINE void packLanes(unsigned chosen, const std::int32_t* v, std::int32_t* out) {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(v));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
+                      _mm256_maskz_compress_epi32(static_cast<__mmask8>(chosen), all));
+#else
+  for (std::size_t k = 0; k < laneCount; ++k) {
+    *out = v[k];
+    out += chosen >> k & 1;
+  }
+#endif
+}
+
 }  // namespace nanoweft

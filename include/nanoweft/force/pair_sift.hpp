@@ -50,7 +50,7 @@ struct Weight {
 
 class PairSift {
  public:
-  enum Class { near, blended, far, dropped };
+  enum Class { near, blended, far };
 
   /// `blend`: where fewer points take over; at infinity when they do not.
   PairSift(const PairJob& job, const Switch& blend, double reach);
@@ -61,13 +61,14 @@ class PairSift {
 
  private:
   void sift(std::size_t first);
-  const PairBlock* handOut(int which, Class& result);
+  const PairBlock* handOut(Class which, Class& result);
 
   const PairJob& job_;
   double from2_, to2_, reach2_;
+  bool blends_;
   std::size_t place_ = 0;
-  int given_ = dropped;
-  PairBlock blocks_[4];
+  Class given_ = near;
+  PairBlock blocks_[3];
 };
 
 }  // namespace nanoweft
