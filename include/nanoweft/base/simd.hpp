@@ -185,6 +185,23 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const LaneInd
   return loadRows<columns>(table, index.at);
 }
 
+typedef std::int64_t LaneIntegers __attribute__((vector_size(sizeof(Lanes))));
+
+/// Nearest integers of numbers below 2^62.
+NW_INLINE LaneIntegers nearestIntegers(const Lanes& x) {
+#ifdef __AVX512DQ__
+  return __builtin_bit_cast(LaneIntegers, _mm512_cvtpd_epi64(static_cast<__m512d>(x)));
+#else
+  // 1.5 * 2^52 added leaves an integer in the low bits: of the upper 32 bits first, then of the
+  // rest.
+  const Lanes magic(0x1.8p52);
+  const auto bits = [](const Lanes& v) { return __builtin_bit_cast(LaneIntegers, v); };
+  const Lanes high = x * 0x1p-32 + magic;
+  const Lanes low = x - (high - magic) * 0x1p32 + magic;
+  return ((bits(high) - bits(magic)) << 32) + (bits(low) - bits(magic));
+#endif
+}
+
 /// Which lanes are below a limit, as bits.
 NW_INLINE unsigned lanesBelow(const Lanes& v, double limit) {
 #ifdef __AVX512F__

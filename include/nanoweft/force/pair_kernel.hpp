@@ -118,11 +118,11 @@ void addBlock(const Law& law, const KernelUnits& units, const Weight& weight,
       pair = resolvePair<Energies, N>(law, units.length, separation, {}, {});
     if (!anyOf(pair.touching)) continue;
     if constexpr (Energies) weight.apply(separation, pair);
-    alignas(64) double scaled[9][laneCount];
+    LaneIntegers whole[9];
     auto store = [&](int row, const Vec3<Lanes>& v, const Lanes& scale) {
-      (v.x * scale).copy_to(scaled[row], stdx::element_aligned);
-      (v.y * scale).copy_to(scaled[row + 1], stdx::element_aligned);
-      (v.z * scale).copy_to(scaled[row + 2], stdx::element_aligned);
+      whole[row] = nearestIntegers(v.x * scale);
+      whole[row + 1] = nearestIntegers(v.y * scale);
+      whole[row + 2] = nearestIntegers(v.z * scale);
     };
     store(0, pair.force, perForce);
     if constexpr (N > 1) {
@@ -134,17 +134,16 @@ void addBlock(const Law& law, const KernelUnits& units, const Weight& weight,
       const bool mineJ = j[k] >= job.begin && j[k] < job.end;
       std::int64_t* si = job.sum + 6 * static_cast<std::size_t>(i[k]);
       std::int64_t* sj = job.sum + 6 * static_cast<std::size_t>(j[k]);
-      for (int c = 0; c < 3; ++c) {
-        const std::int64_t f = std::llrint(scaled[c][k]);
-        if (mineI) {
-          si[c] += f;
-          if constexpr (N > 1) si[3 + c] += std::llrint(scaled[3 + c][k]);
+      if (mineI)
+        for (int c = 0; c < 3; ++c) {
+          si[c] += whole[c][k];
+          if constexpr (N > 1) si[3 + c] += whole[3 + c][k];
         }
-        if (mineJ) {
-          sj[c] -= f;
-          if constexpr (N > 1) sj[3 + c] += std::llrint(scaled[6 + c][k]);
+      if (mineJ)
+        for (int c = 0; c < 3; ++c) {
+          sj[c] -= whole[c][k];
+          if constexpr (N > 1) sj[3 + c] += whole[6 + c][k];
         }
-      }
       if constexpr (Energies)
         if (mineI) tally.energy.add(pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
       // A blended pair comes twice; its damping acts once.
