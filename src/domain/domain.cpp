@@ -20,7 +20,7 @@ bool Domain::turnToMetis(const State& state) {
   // Cuts by known work that came out unequal are as good as straight cuts get.
   if (settings_.kind != PartitionSettings::automatic || metis_ || !fresh_) return false;
   // Without many pieces for each rank METIS has nothing to balance with.
-  if (state.total() < 25LL * settings_.piece * state.ranks()) return false;
+  if (state.total() < 50LL * settings_.piece * state.ranks()) return false;
   partitioner_ = std::make_unique<MetisPartitioner>(settings_.piece);
   return metis_ = true;
 }

@@ -42,14 +42,14 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
       inner2_(joins.inner * joins.inner),
       outer2_(joins.outer * joins.outer),
       table_(static_cast<double*>(
-          ::operator new[](rows* all * sizeof(double), std::align_val_t(64)))) {
+          ::operator new[]((rows + 1) * all * sizeof(double), std::align_val_t(64)))) {
   const double ends[4] = {0.0, inner2_, outer2_, joins.cutoff * joins.cutoff};
   const double images[4] = {first, 1.0, 16.0, last};
   for (int z = 0; z < 3; ++z) {
     zones_[z].scale = (images[z + 1] - images[z]) / (ends[z + 1] - ends[z]);
     zones_[z].shift = images[z] - ends[z] * zones_[z].scale;
   }
-  std::fill_n(table_.get(), rows * all, 0.0);
+  std::fill_n(table_.get(), (rows + 1) * all, 0.0);
   double energy = 0.0;  // from the cutoff inwards
   for (int i = rows - 2; i >= 0; --i) {
     const double octave = std::ldexp(first, i >> bits), width = std::ldexp(octave, -bits);
@@ -66,11 +66,14 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
     for (int k = degree; k >= 0; --k)
       integral = (integral + c[static_cast<std::size_t>(k)] / (k + 1)) * width;
     energy -= half * integral;
-    double* row = table_.get() + all * i;
+    double* row = table_.get() + all * (i + 1);
     std::copy(c.begin(), c.end(), row);
     row[6] = energy;
     row[7] = half;
   }
+  // The spare row: the value at zero distance.
+  table_[0] = table_[all];
+  table_[6] = energy;
 }
 
 }  // namespace nanoweft

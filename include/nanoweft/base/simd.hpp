@@ -68,34 +68,36 @@ struct LaneIndex {
   alignas(64) std::int64_t at[Lanes::size()];
 };
 
-/// Which of the 2^bits equal parts of its octave y > 0 lies in, counted from y = `first` (a power
-/// of two) on; `begin`: where that part begins.
+/// Eight times the number of the part that y > 0 lies in, when octaves are cut into 2^bits equal
+/// parts and these are counted from y = `first` (a power of two) on: where rows of eight doubles
+/// begin. `begin`: where the part begins.
 template <int bits>
 NW_INLINE std::int64_t octavePart(double y, double first, double& begin) {
   constexpr int shift = 52 - bits;
   const auto pattern = __builtin_bit_cast(std::int64_t, y);
   begin = __builtin_bit_cast(double, pattern >> shift << shift);
-  return (pattern >> shift) - (__builtin_bit_cast(std::int64_t, first) >> shift);
+  return 8 * ((pattern >> shift) - (__builtin_bit_cast(std::int64_t, first) >> shift));
 }
 template <int bits>
 NW_INLINE LaneIndex octavePart(const Lanes& y, double first, Lanes& begin) {
   constexpr int shift = 52 - bits;
   using Integers = std::int64_t __attribute__((vector_size(sizeof(Lanes))));
-  const Integers part = __builtin_bit_cast(Integers, y) >> shift;
-  begin = __builtin_bit_cast(Lanes, Integers(part << shift));
+  const Integers floor = __builtin_bit_cast(Integers, y) & (std::int64_t{-1} << shift);
+  begin = __builtin_bit_cast(Lanes, floor);
   LaneIndex index;
-  const Integers counted = part - (__builtin_bit_cast(std::int64_t, first) >> shift);
+  const Integers counted =
+      (floor >> (shift - 3)) - 8 * (__builtin_bit_cast(std::int64_t, first) >> shift);
   std::memcpy(index.at, &counted, sizeof counted);
   // Through memory: taken apart in registers, the numbers would compete with the rows' shuffles.
   asm("" : "+m"(index));
   return index;
 }
 
-/// The first columns of rows of 8 doubles, a row a lane.
+/// The first columns of a row that begins at `place`.
 template <int columns>
-NW_INLINE std::array<double, columns> loadRows(const double* table, std::int64_t index) {
+NW_INLINE std::array<double, columns> loadRows(const double* table, std::int64_t place) {
   std::array<double, columns> c;
-  for (std::size_t k = 0; k < columns; ++k) c[k] = table[8 * index + static_cast<std::int64_t>(k)];
+  for (std::size_t k = 0; k < columns; ++k) c[k] = table[place + static_cast<std::int64_t>(k)];
   return c;
 }
 
@@ -147,18 +149,18 @@ struct Combine8 {
 
 }  // namespace detail
 
-/// Vector loads and shuffles: element by element, the table would cost more than its polynomials.
-template <int columns, class Index>
-NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const Index* index) {
+/// The first columns of rows, a row a lane; `place(lane)`: where its row begins. With vector loads
+/// and shuffles: element by element, the table would cost more than its polynomials.
+template <int columns, class Place>
+NW_INLINE std::array<Lanes, columns> loadRows(const double* table, Place place) {
   using namespace detail;
   std::array<Lanes, columns> c;
-  auto at = [&](std::size_t lane) { return static_cast<std::int64_t>(index[lane]); };
   if constexpr (laneCount == 8) {
     auto group = [&](int first) {
       std::array<Doubles8, 4> r;
       for (std::size_t l = 0; l < 4; ++l) {
-        const auto a = loadVector<Doubles4>(table + 8 * at(l) + first);
-        const auto b = loadVector<Doubles4>(table + 8 * at(l + 4) + first);
+        const auto a = loadVector<Doubles4>(table + place(l) + first);
+        const auto b = loadVector<Doubles4>(table + place(l + 4) + first);
         r[l] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
       }
       return r;
@@ -168,21 +170,21 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const Index* 
   } else if constexpr (laneCount == 4) {
     auto group = [&](int first) {
       std::array<Doubles4, 4> r;
-      for (std::size_t l = 0; l < 4; ++l) r[l] = loadVector<Doubles4>(table + 8 * at(l) + first);
+      for (std::size_t l = 0; l < 4; ++l) r[l] = loadVector<Doubles4>(table + place(l) + first);
       return r;
     };
     transposeGroup<columns, 0>(group(0).data(), c, Combine4{});
     if constexpr (columns > 4) transposeGroup<columns, 4>(group(4).data(), c, Combine4{});
   } else {
     for (std::size_t k = 0; k < columns; ++k)
-      c[k] = Lanes([&](auto lane) { return table[8 * at(lane) + static_cast<std::int64_t>(k)]; });
+      c[k] = Lanes([&](auto lane) { return table[place(lane) + static_cast<std::int64_t>(k)]; });
   }
   return c;
 }
 
 template <int columns>
 NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const LaneIndex& index) {
-  return loadRows<columns>(table, index.at);
+  return loadRows<columns>(table, [&](std::size_t lane) { return index.at[lane]; });
 }
 
 typedef std::int64_t LaneIntegers __attribute__((vector_size(sizeof(Lanes))));

@@ -55,7 +55,8 @@ class PairTable {
 
  private:
   static constexpr int force = 6, all = 8;  ///< columns of a row
-  static constexpr int octaves = 6, bits = 7, rows = (octaves << bits) + 1;
+  static constexpr int octaves = 6, bits = 7,
+                       rows = (octaves << bits) + 1;  ///< and a spare one before
   static constexpr double first = 0.5, last = 32.0;
 
   /// Maps s to the scaled distance y in [1/2, 32): below the inner join [1/2, 1), up to the switch
@@ -73,9 +74,9 @@ class PairTable {
     const V shift =
         select(inside, V(zones_[0].shift), select(middle, V(zones_[1].shift), V(zones_[2].shift)));
     const V y = multiplyAdd(s, scale, shift);
-    // Written so that what is not a number finds the last row.
-    const V low = select(y > V(first), y, V(first));
-    return select(y < V(last), low, V(last));
+    // Written so that what is not a number finds the last row. Round-off below zero distance finds
+    // the spare row before the first.
+    return select(y < V(last), y, V(last));
   }
 
   /// The row of `s` and the place `t` within it.
@@ -83,9 +84,9 @@ class PairTable {
   NW_INLINE std::array<V, columns> row(const V& s, V& t) const {
     const V y = scaled(s);
     V begin;
-    const auto index = octavePart<bits>(y, first, begin);
+    const auto place = octavePart<bits>(y, first, begin);
     t = y - begin;
-    return loadRows<columns>(table_.get(), index);
+    return loadRows<columns>(table_.get() + all, place);
   }
 
   template <class V, std::size_t n>
