@@ -158,9 +158,12 @@ CellIndex::CellIndex(const State& state, const CellGrid& grid, int count) {
   std::vector<Key> keys(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     keys[static_cast<std::size_t>(i)] = {grid.cellOf(state.pose + 8 * i), state.row[i], i};
-  std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
+  const auto before = [](const Key& a, const Key& b) {
     return a.cell != b.cell ? a.cell < b.cell : a.row < b.row;
-  });
+  };
+  // Owned points are kept in this order, so that most indices find them sorted.
+  if (!std::is_sorted(keys.begin(), keys.end(), before))
+    std::sort(keys.begin(), keys.end(), before);
   order.resize(keys.size());
   for (std::size_t k = 0; k < keys.size(); ++k) {
     order[k] = keys[k].point;

@@ -32,8 +32,9 @@ std::vector<Action> actionsAt(const Boundaries& boundaries, double forceTime, do
   return actions;
 }
 
-double sign(double x) {
-  return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0;
+/// |size| with the sign of x, zero for x = 0; without a branch, since signs are unpredictable.
+double signedLike(double size, double x) {
+  return x == 0 ? 0.0 : std::copysign(size, x);
 }
 
 /// Half kicks of a run of segments.
@@ -82,7 +83,7 @@ class Kicker {
   /// Kicks one component; returns the power that damping takes out.
   double damp(double& v, double force, double viscous, double factor) const {
     const double sum = force + viscous;
-    const double drag = damping_ * std::abs(sum) * sign(v);
+    const double drag = signedLike(damping_ * std::abs(sum), v);
     const double after = v + factor * (sum - drag);
     const double mean = 0.5 * (v + after);
     v = after;

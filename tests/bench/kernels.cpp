@@ -89,6 +89,23 @@ BENCHMARK_CAPTURE(pairResolution, 3_points_1_far, "-pair_points 3 -pair_far_poin
 BENCHMARK_CAPTURE(pairResolution, 5_points, "-pair_points 5");
 BENCHMARK_CAPTURE(pairResolution, 7_points, "-pair_points 7");
 
+/// What the core can do at most: independent fused multiply-adds in registers.
+void peak(benchmark::State& state) {
+  constexpr int chains = 12;
+  Lanes x[chains];
+  for (int k = 0; k < chains; ++k) x[k] = Lanes(1.0 + 1e-3 * k);
+  const Lanes a(0.999999), b(1e-9);
+  for (auto _ : state) {
+    for (int n = 0; n < 1000; ++n)
+#pragma GCC unroll 12
+      for (int k = 0; k < chains; ++k) x[k] = multiplyAdd(x[k], a, b);
+    benchmark::DoNotOptimize(x);
+  }
+  state.counters["flops"] = benchmark::Counter(2.0 * 1000 * chains * laneCount,
+                                               benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(peak);
+
 void bond(benchmark::State& state) {
   Scene scene;
   const BondParameters parameters = cnt1010(nanoUnits()).bond;
