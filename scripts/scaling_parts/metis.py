@@ -64,7 +64,7 @@ def _part_graph(start, neighbours, load, weight, parts):
     kept = [array(x) for x in (start, neighbours, load, weight, np.zeros(len(load)))]
     options = (idx * 40)()
     library.METIS_SetDefaultOptions(options)
-    options[SEED], options[UFACTOR] = 1, 20
+    options[SEED], options[UFACTOR] = 1, 30
     n, one, k, cut_weight = idx(len(load)), idx(1), idx(parts), idx()
     status = library.METIS_PartGraphKway(
         ctypes.byref(n), ctypes.byref(one), kept[0][1], kept[1][1], kept[2][1], None, kept[3][1],

@@ -104,7 +104,7 @@ int runWithPetsc(MPI_Comm comm, int rank) {
       return 0;
     }
     Options options;
-    Simulation simulation(comm, options, threads);
+    Simulation simulation(comm, options, threads, std::getenv("OMP_NUM_THREADS") == nullptr);
     if (!simulation.runnable()) return 0;
     catchSignals();
     return static_cast<int>(simulation.run());

@@ -36,9 +36,10 @@ std::string timeColumn(const UnitSystem& units) {
 
 }  // namespace
 
-Simulation::Simulation(MPI_Comm comm, Options& options, int threads)
+Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost)
     : comm_(comm),
       threads_(threads),
+      threadsAtMost_(atMost),
       units_(readUnits(options)),
       fibre_(readFibre(options, units_)),
       pairLaw_(readPairForce(options, units_, fibre_)),
@@ -125,6 +126,11 @@ void Simulation::build() {
   else
     scene_->fill(*state);
   state_ = std::move(state);
+  if (threadsAtMost_) {
+    const std::int64_t busy = state_->total() / state_->ranks() / segmentsPerThread;
+    threads_ = static_cast<int>(std::clamp<std::int64_t>(busy, 1, threads_));
+    forces_->setThreads(threads_);
+  }
   if (!restartHeader_ && settings_.perturb > 0) perturb();
   const RunRecord empty;
   boundaries_.attach(*state_, restartHeader_ ? restartHeader_->run : empty);

@@ -23,14 +23,17 @@ enum class Ending { done = 0, stopped = 3 };
 
 class Simulation {
  public:
-  /// Reads all options and builds the run; throws InputError. `threads`: of each rank.
-  Simulation(MPI_Comm comm, Options& options, int threads);
+  /// Reads all options and builds the run; throws InputError. `threads`: of each rank, or at most
+  /// so many when a small scene would not keep them busy.
+  Simulation(MPI_Comm comm, Options& options, int threads, bool atMost);
 
   /// With -help there is nothing to run.
   bool runnable() const { return state_ != nullptr; }
   Ending run();
 
  private:
+  /// With fewer segments a thread waits longer for the others than it works.
+  static constexpr std::int64_t segmentsPerThread = 1500;
   /// Steps between looks at the energy balance.
   static constexpr long energyCheckInterval = 100;
   /// What ranks tell each other in each step, as bits.
@@ -68,6 +71,7 @@ class Simulation {
 
   MPI_Comm comm_;
   int threads_;
+  bool threadsAtMost_;
   const UnitSystem& units_;
   Fibre fibre_;
   std::unique_ptr<PairForce> pairLaw_;

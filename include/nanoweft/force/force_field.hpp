@@ -37,6 +37,9 @@ class ForceField {
   };
   explicit ForceField(Settings settings, const Box& box);
 
+  /// Takes effect at the next rebuild.
+  void setThreads(int threads) { settings_.threads = threads; }
+
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
 
