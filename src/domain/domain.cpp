@@ -19,8 +19,9 @@ Domain::Domain(State& state, const PartitionSettings& settings)
 bool Domain::turnToMetis(const State& state) {
   // Cuts by known work that came out unequal are as good as straight cuts get.
   if (settings_.kind != PartitionSettings::automatic || metis_ || !fresh_) return false;
-  // Without many pieces for each rank METIS has nothing to balance with.
-  if (state.total() < 50LL * settings_.piece * state.ranks()) return false;
+  // With few pieces for each rank METIS cuts badly; that pays only against very unequal shares.
+  const std::int64_t piecesPerRank = imbalance_ > 1.3 ? 10 : 50;
+  if (state.total() < piecesPerRank * settings_.piece * state.ranks()) return false;
   partitioner_ = std::make_unique<MetisPartitioner>(settings_.piece);
   return metis_ = true;
 }
