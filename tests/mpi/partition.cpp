@@ -95,6 +95,22 @@ TEST(Partition, TwoOccupiedCornersOnThreeRanks) {
   EXPECT_LT(automatic.imbalance, 1.06);
 }
 
+TEST(Partition, WorkCountsNotSegments) {
+  // A bundle, whose segments have many neighbours, beside as many loose tubes, which have none.
+  const Folder folder;
+  std::vector<FibreInput> fibres;
+  addBundle(fibres, {-400, -950, -100}, 8, 64);
+  for (int k = 0; k < 64; ++k)
+    fibres.push_back(
+        straightFibre({-400, -700.0 + 100 * (k % 16), -200.0 + 100 * (k / 16)}, {1, 0, 0}, 64));
+  writeState(folder / "in.h5", fibres);
+  const auto outcome = run(folder, "-scene file -scene_file in.h5 -ts_max_steps 2", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const Report report = partitionOf(outcome);
+  EXPECT_EQ(report.kind, "metis");
+  EXPECT_LT(report.imbalance, 1.06);
+}
+
 TEST(Partition, EvenSheetKeepsStraightCuts) {
   const Folder folder;
   const auto outcome =
