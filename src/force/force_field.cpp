@@ -43,8 +43,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
     reference_.resize(3 * static_cast<std::size_t>(state.owned()));
     for (int i = 0; i < state.owned(); ++i)
       std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
-    sums_.resize(6 * static_cast<std::size_t>(state.local()));
-    if (viscous()) viscousSums_.resize(sums_.size());
+    sums_.resize(static_cast<std::size_t>(state.local()));
+    if (viscous()) viscousSums_.resize(6 * sums_.size());
     halfSkin2_ = 0.25 * skin_ * skin_;
   }
   noteWork(state, domain);
@@ -125,13 +125,9 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
 #pragma omp parallel num_threads(static_cast <int>(threads))
     {
       const auto t = static_cast<std::size_t>(omp_get_thread_num());
-      const std::size_t from = 6 * static_cast<std::size_t>(shares_[t].begin),
-                        to = 6 * static_cast<std::size_t>(shares_[t].end);
-      std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(from),
-                sums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
-      if (viscousOn)
-        std::fill(viscousSums_.begin() + static_cast<std::ptrdiff_t>(from),
-                  viscousSums_.begin() + static_cast<std::ptrdiff_t>(to), 0);
+      const std::int32_t from = shares_[t].begin, to = shares_[t].end;
+      std::fill(sums_.begin() + from, sums_.begin() + to, ForceSum{});
+      if (viscousOn) std::fill(viscousSums_.begin() + 6 * from, viscousSums_.begin() + 6 * to, 0);
       pair->add(pairJob(t, pairs_.threads()[t].inner), request.energies, pairTallies[t]);
     }
   }
@@ -156,8 +152,8 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
       for (auto i = static_cast<std::size_t>(shares_[t].begin);
            i < static_cast<std::size_t>(shares_[t].end); ++i)
         for (std::size_t c = 0; c < 3; ++c) {
-          state.force[3 * i + c] += forceUnit * static_cast<double>(sums_[6 * i + c]);
-          state.torque[3 * i + c] += torqueUnit * static_cast<double>(sums_[6 * i + 3 + c]);
+          state.force[3 * i + c] += forceUnit * static_cast<double>(sums_[i].at[c]);
+          state.torque[3 * i + c] += torqueUnit * static_cast<double>(sums_[i].at[3 + c]);
           if (!viscousOn) continue;
           state.viscous[6 * i + c] = forceUnit * static_cast<double>(viscousSums_[6 * i + c]);
           state.viscous[6 * i + 3 + c] =

@@ -1,6 +1,7 @@
 #include "nanoweft/force/pair_table.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -8,72 +9,100 @@ namespace nanoweft {
 
 namespace {
 
-constexpr int degree = 5;
-
-/// Coefficients of the polynomial in t through f at the Chebyshev points of [0, width].
-template <class F>
-std::array<double, degree + 1> interpolate(const F& f, double width) {
-  std::array<long double, degree + 1> x, divided;
-  for (int k = 0; k <= degree; ++k) {
-    const auto a = static_cast<std::size_t>(k);
-    x[a] = 0.5L * (1.0L - std::cos((k + 0.5L) * std::numbers::pi_v<long double> / (degree + 1)));
-    divided[a] = f(static_cast<double>(x[a]) * width);
+/// Coefficients of the polynomial in t, of degree n - 1, through f at the Chebyshev points of
+/// [0, width].
+template <std::size_t n, class F>
+std::array<double, n> interpolate(const F& f, double width) {
+  std::array<long double, n> x, divided;
+  for (std::size_t k = 0; k < n; ++k) {
+    x[k] = 0.5L * (1.0L - std::cos((k + 0.5L) * std::numbers::pi_v<long double> / n));
+    divided[k] = f(static_cast<double>(x[k]) * width);
   }
-  for (std::size_t order = 1; order <= degree; ++order)
-    for (std::size_t k = degree; k >= order; --k)
+  for (std::size_t order = 1; order < n; ++order)
+    for (std::size_t k = n - 1; k >= order; --k)
       divided[k] = (divided[k] - divided[k - 1]) / (x[k] - x[k - order]);
   // Newton's form to powers of t/width, then of t.
-  std::array<long double, degree + 1> c{};
-  for (std::size_t k = degree + 1; k-- > 0;) {
-    for (std::size_t j = degree; j > 0; --j) c[j] = c[j - 1] - x[k] * c[j];
+  std::array<long double, n> c{};
+  for (std::size_t k = n; k-- > 0;) {
+    for (std::size_t j = n - 1; j > 0; --j) c[j] = c[j - 1] - x[k] * c[j];
     c[0] = divided[k] - x[k] * c[0];
   }
-  std::array<double, degree + 1> result;
+  std::array<double, n> result;
   long double scale = 1.0L;
-  for (std::size_t k = 0; k <= degree; ++k, scale *= width)
-    result[k] = static_cast<double>(c[k] / scale);
+  for (std::size_t k = 0; k < n; ++k, scale *= width) result[k] = static_cast<double>(c[k] / scale);
   return result;
+}
+
+/// The upper half of a number's bits, rounded to nearest, in the upper half.
+std::uint64_t upperHalf(double x) {
+  return (std::bit_cast<std::uint64_t>(x) + 0x80000000u) & 0xffffffff00000000u;
+}
+
+/// A row's columns. What rounding the highest coefficients leaves is taken up by the lower ones.
+template <class F>
+std::array<double, 4> packedRow(const F& f, double width) {
+  const std::uint64_t low = upperHalf(interpolate<5>(f, width)[4]);
+  const double c4 = std::bit_cast<double>(low);
+  auto cubic = [&](double t) { return f(t) - c4 * (t * t) * (t * t); };
+  // Rounded as the number that it is with c4 in its lower half.
+  const double wanted = interpolate<4>(cubic, width)[3];
+  const std::uint64_t high =
+      upperHalf(std::bit_cast<double>(std::bit_cast<std::uint64_t>(wanted) - (low >> 32)));
+  const double c3 = std::bit_cast<double>(high | low >> 32);
+  const auto c = interpolate<3>([&](double t) { return cubic(t) - c3 * t * t * t; }, width);
+  return {c[0], c[1], c[2], c3};
 }
 
 }  // namespace
 
-PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& slope)
-    : joins_(joins),
-      inner2_(joins.inner * joins.inner),
-      outer2_(joins.outer * joins.outer),
-      table_(static_cast<double*>(
-          ::operator new[]((rows + 1) * all * sizeof(double), std::align_val_t(64)))) {
-  const double ends[4] = {0.0, inner2_, outer2_, joins.cutoff * joins.cutoff};
-  const double images[4] = {first, 1.0, 16.0, last};
-  for (int z = 0; z < 3; ++z) {
-    zones_[z].scale = (images[z + 1] - images[z]) / (ends[z + 1] - ends[z]);
-    zones_[z].shift = images[z] - ends[z] * zones_[z].scale;
-  }
-  std::fill_n(table_.get(), (rows + 1) * all, 0.0);
+PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& slope) {
+  cutoff_ = joins.cutoff;
+  const double ends[4] = {0.0, joins.inner * joins.inner, joins.outer * joins.outer,
+                          joins.cutoff * joins.cutoff};
+  double images[4] = {first, 1.0, 16.0, 0.0};
+  auto scale = [&](int z) { return (images[z + 1] - images[z]) / (ends[z + 1] - ends[z]); };
+  while (scale(1) < scale(0)) images[2] *= 2;
+  images[3] = 2 * images[2];
+  while (scale(2) < scale(1)) images[3] *= 2;
+  last_ = images[3];
+  for (int z = 0; z < 3; ++z) zones_[z] = {scale(z), images[z] - ends[z] * scale(z)};
+
+  const int rows = (std::ilogb(last_ / first) << bits) + 1;
+  // Row by row the coefficients, then the energies, each with a spare row before.
+  const auto size = static_cast<std::size_t>((rows + 1) * columns);
+  std::shared_ptr<double[]> memory(
+      static_cast<double*>(::operator new[](2 * size * sizeof(double), std::align_val_t(64))),
+      [](double* p) { ::operator delete[](p, std::align_val_t(64)); });
+  std::fill_n(memory.get(), 2 * size, 0.0);
+  double* const table = memory.get() + columns;
+  double* const energies = table + size;
   double energy = 0.0;  // from the cutoff inwards
   for (int i = rows - 2; i >= 0; --i) {
     const double octave = std::ldexp(first, i >> bits), width = std::ldexp(octave, -bits);
     const double begin = octave + (i & ((1 << bits) - 1)) * width;
-    const int z = begin < 1.0 ? 0 : begin < 16.0 ? 1 : 2;
-    const auto c = interpolate(
+    const int z = begin < 1.0 ? 0 : begin < images[2] ? 1 : 2;
+    double* row = table + columns * i;
+    const auto c = packedRow(
         [&](double t) {
           const double s = ends[z] + (begin - images[z] + t) / zones_[z].scale;
           return slope(std::sqrt(s));
         },
         width);
+    std::copy(c.begin(), c.end(), row);
     const double half = 0.5 / zones_[z].scale;
-    double integral = 0.0;
-    for (int k = degree; k >= 0; --k)
+    double integral = 0.2 * lowerHalf(c[3]) * width;
+    for (int k = 3; k >= 0; --k)
       integral = (integral + c[static_cast<std::size_t>(k)] / (k + 1)) * width;
     energy -= half * integral;
-    double* row = table_.get() + all * (i + 1);
-    std::copy(c.begin(), c.end(), row);
-    row[6] = energy;
-    row[7] = half;
+    energies[columns * i] = energy;
+    energies[columns * i + 1] = half;
   }
   // The spare row: the value at zero distance.
-  table_[0] = table_[all];
-  table_[6] = energy;
+  table[-columns] = table[0];
+  energies[-columns] = energy;
+  table_ = table;
+  energies_ = energies;
+  memory_ = std::move(memory);
 }
 
 }  // namespace nanoweft

@@ -20,7 +20,7 @@ using namespace nanoweft;
 struct Scene {
   std::vector<double> pose;
   std::vector<ListPair> pairs;
-  std::vector<std::int64_t> sums;
+  std::vector<ForceSum> sums;
 
   Scene() {
     std::mt19937 engine(1);
@@ -50,7 +50,7 @@ struct Scene {
         }
         if (d2 < 63.28 * 63.28) pairs.push_back({i, j});
       }
-    sums.resize(6 * pose.size() / 8);
+    sums.resize(pose.size() / 8);
   }
 };
 

@@ -41,7 +41,7 @@ Sum evaluate(const PairForce& force, const std::vector<Pose>& segments) {
     pose.insert(pose.end(), {s.x.x, s.x.y, s.x.z, 0, s.q.w, s.q.x, s.q.y, s.q.z});
   for (std::int32_t i = 0; i < n; ++i)
     for (std::int32_t j = i + 1; j < n; ++j) pairs.push_back({i, j});
-  std::vector<std::int64_t> sum(6 * segments.size(), 0);
+  std::vector<ForceSum> sum(segments.size(), ForceSum{});
   const MinimumImage nearest{Box{}};
   PairJob job;
   job.pose = pose.data();
@@ -57,11 +57,11 @@ Sum evaluate(const PairForce& force, const std::vector<Pose>& segments) {
   Sum result{tally.energy.value(tally.energyUnit), {}, {}, tally.resolved, tally.pointPairs};
   for (std::size_t i = 0; i < segments.size(); ++i) {
     auto vector = [&](std::size_t k, double unit) {
-      return unit * Vec3d{static_cast<double>(sum[k]), static_cast<double>(sum[k + 1]),
-                          static_cast<double>(sum[k + 2])};
+      return unit * Vec3d{static_cast<double>(sum[i].at[k]), static_cast<double>(sum[i].at[k + 1]),
+                          static_cast<double>(sum[i].at[k + 2])};
     };
-    result.force.push_back(vector(6 * i, force.forceUnit()));
-    result.torque.push_back(vector(6 * i + 3, force.torqueUnit()));
+    result.force.push_back(vector(0, force.forceUnit()));
+    result.torque.push_back(vector(3, force.torqueUnit()));
   }
   return result;
 }

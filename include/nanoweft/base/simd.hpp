@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -42,6 +43,28 @@ NW_INLINE bool anyOf(const stdx::simd_mask<T, Abi>& condition) {
   return stdx::any_of(condition);
 }
 
+/// The larger, the smaller of two numbers; the second when one is not a number.
+NW_INLINE double larger(double a, double b) {
+  return a > b ? a : b;
+}
+NW_INLINE double smaller(double a, double b) {
+  return a < b ? a : b;
+}
+NW_INLINE Lanes larger(const Lanes& a, const Lanes& b) {
+#ifdef __AVX512F__
+  return Lanes(_mm512_max_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
+#else
+  return select(a > b, a, b);
+#endif
+}
+NW_INLINE Lanes smaller(const Lanes& a, const Lanes& b) {
+#ifdef __AVX512F__
+  return Lanes(_mm512_min_pd(static_cast<__m512d>(a), static_cast<__m512d>(b)));
+#else
+  return select(a < b, a, b);
+#endif
+}
+
 /// a b + c, fused where the target can, so that all instances of a formula round alike. (The
 /// library's own fma falls apart into scalar ones in large functions.)
 NW_INLINE double multiplyAdd(double a, double b, double c) {
@@ -68,29 +91,43 @@ struct LaneIndex {
   alignas(64) std::int64_t at[Lanes::size()];
 };
 
-/// Eight times the number of the part that y > 0 lies in, when octaves are cut into 2^bits equal
-/// parts and these are counted from y = `first` (a power of two) on: where rows of eight doubles
-/// begin. `begin`: where the part begins.
-template <int bits>
+/// The number of the part that y > 0 lies in, times `stride` (a power of two), when octaves are cut
+/// into 2^bits equal parts and these are counted from y = `first` (a power of two) on: where rows
+/// of `stride` doubles begin. `begin`: where the part begins.
+template <int bits, int stride>
 NW_INLINE std::int64_t octavePart(double y, double first, double& begin) {
   constexpr int shift = 52 - bits;
   const auto pattern = __builtin_bit_cast(std::int64_t, y);
   begin = __builtin_bit_cast(double, pattern >> shift << shift);
-  return 8 * ((pattern >> shift) - (__builtin_bit_cast(std::int64_t, first) >> shift));
+  return stride * ((pattern >> shift) - (__builtin_bit_cast(std::int64_t, first) >> shift));
 }
-template <int bits>
+template <int bits, int stride>
 NW_INLINE LaneIndex octavePart(const Lanes& y, double first, Lanes& begin) {
   constexpr int shift = 52 - bits;
   using Integers = std::int64_t __attribute__((vector_size(sizeof(Lanes))));
   const Integers floor = __builtin_bit_cast(Integers, y) & (std::int64_t{-1} << shift);
   begin = __builtin_bit_cast(Lanes, floor);
   LaneIndex index;
-  const Integers counted =
-      (floor >> (shift - 3)) - 8 * (__builtin_bit_cast(std::int64_t, first) >> shift);
+  const Integers counted = (floor >> (shift - std::countr_zero(unsigned{stride}))) -
+                           stride * (__builtin_bit_cast(std::int64_t, first) >> shift);
   std::memcpy(index.at, &counted, sizeof counted);
   // Through memory: taken apart in registers, the numbers would compete with the rows' shuffles.
   asm("" : "+m"(index));
   return index;
+}
+
+/// The double whose upper half is the lower half of x, and whose lower half is zero.
+NW_INLINE double lowerHalf(double x) {
+  return __builtin_bit_cast(double, __builtin_bit_cast(std::uint64_t, x) << 32);
+}
+NW_INLINE Lanes lowerHalf(const Lanes& x) {
+#ifdef __AVX512F__
+  return Lanes(
+      _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_castpd_si512(static_cast<__m512d>(x)), 32)));
+#else
+  using Integers = std::int64_t __attribute__((vector_size(sizeof(Lanes))));
+  return __builtin_bit_cast(Lanes, __builtin_bit_cast(Integers, x) << 32);
+#endif
 }
 
 /// The first columns of a row that begins at `place`.
@@ -113,15 +150,31 @@ NW_INLINE Vector loadVector(const double* from) {
   return v;
 }
 
-/// Columns k .. k+3 of the rows, transposed in 256-bit halves: lane l and l+4 travel together.
-template <int columns, std::size_t k, class Group, class Combine>
-NW_INLINE void transposeGroup(const Group* r, std::array<Lanes, columns>& c, Combine combine) {
-  const Group low01 = combine.low(r[0], r[1]), low23 = combine.low(r[2], r[3]);
-  const Group high01 = combine.high(r[0], r[1]), high23 = combine.high(r[2], r[3]);
-  if constexpr (k < columns) c[k] = __builtin_bit_cast(Lanes, combine.even(low01, low23));
-  if constexpr (k + 1 < columns) c[k + 1] = __builtin_bit_cast(Lanes, combine.even(high01, high23));
-  if constexpr (k + 2 < columns) c[k + 2] = __builtin_bit_cast(Lanes, combine.odd(low01, low23));
-  if constexpr (k + 3 < columns) c[k + 3] = __builtin_bit_cast(Lanes, combine.odd(high01, high23));
+/// Four doubles from one place, four from another.
+NW_INLINE Doubles8 loadHalves(const double* low, const double* high) {
+#ifdef __AVX512F__
+  // As an insertion from memory, which leaves the shuffle unit free.
+  return __builtin_bit_cast(
+      Doubles8,
+      _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1));
+#else
+  return __builtin_shufflevector(loadVector<Doubles4>(low), loadVector<Doubles4>(high), 0, 1, 2, 3,
+                                 4, 5, 6, 7);
+#endif
+}
+
+/// Columns k .. k+3 of four groups of rows, transposed in 256-bit halves: lanes l and l+4 travel
+/// together. (By value: arrays would be written to memory.)
+template <int columns, std::size_t k, class Combine, class Group>
+NW_INLINE void transposeGroup(Group r0, Group r1, Group r2, Group r3,
+                              std::array<Lanes, columns>& c) {
+  const Group low01 = Combine::low(r0, r1), low23 = Combine::low(r2, r3);
+  const Group high01 = Combine::high(r0, r1), high23 = Combine::high(r2, r3);
+  if constexpr (k < columns) c[k] = __builtin_bit_cast(Lanes, Combine::even(low01, low23));
+  if constexpr (k + 1 < columns)
+    c[k + 1] = __builtin_bit_cast(Lanes, Combine::even(high01, high23));
+  if constexpr (k + 2 < columns) c[k + 2] = __builtin_bit_cast(Lanes, Combine::odd(low01, low23));
+  if constexpr (k + 3 < columns) c[k + 3] = __builtin_bit_cast(Lanes, Combine::odd(high01, high23));
 }
 
 struct Combine4 {
@@ -156,25 +209,19 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, Place place) 
   using namespace detail;
   std::array<Lanes, columns> c;
   if constexpr (laneCount == 8) {
-    auto group = [&](int first) {
-      std::array<Doubles8, 4> r;
-      for (std::size_t l = 0; l < 4; ++l) {
-        const auto a = loadVector<Doubles4>(table + place(l) + first);
-        const auto b = loadVector<Doubles4>(table + place(l + 4) + first);
-        r[l] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
-      }
-      return r;
+    auto row = [&](std::size_t l, int first) {
+      return loadHalves(table + place(l) + first, table + place(l + 4) + first);
     };
-    transposeGroup<columns, 0>(group(0).data(), c, Combine8{});
-    if constexpr (columns > 4) transposeGroup<columns, 4>(group(4).data(), c, Combine8{});
+    transposeGroup<columns, 0, Combine8>(row(0, 0), row(1, 0), row(2, 0), row(3, 0), c);
+    if constexpr (columns > 4)
+      transposeGroup<columns, 4, Combine8>(row(0, 4), row(1, 4), row(2, 4), row(3, 4), c);
   } else if constexpr (laneCount == 4) {
-    auto group = [&](int first) {
-      std::array<Doubles4, 4> r;
-      for (std::size_t l = 0; l < 4; ++l) r[l] = loadVector<Doubles4>(table + place(l) + first);
-      return r;
+    auto row = [&](std::size_t l, int first) {
+      return loadVector<Doubles4>(table + place(l) + first);
     };
-    transposeGroup<columns, 0>(group(0).data(), c, Combine4{});
-    if constexpr (columns > 4) transposeGroup<columns, 4>(group(4).data(), c, Combine4{});
+    transposeGroup<columns, 0, Combine4>(row(0, 0), row(1, 0), row(2, 0), row(3, 0), c);
+    if constexpr (columns > 4)
+      transposeGroup<columns, 4, Combine4>(row(0, 4), row(1, 4), row(2, 4), row(3, 4), c);
   } else {
     for (std::size_t k = 0; k < columns; ++k)
       c[k] = Lanes([&](auto lane) { return table[place(lane) + static_cast<std::int64_t>(k)]; });

@@ -81,7 +81,8 @@ class ForceField {
   BondList bonds_;
   std::vector<Share> shares_;
   std::vector<double> reference_, work_;
-  std::vector<std::int64_t> sums_, viscousSums_;
+  std::vector<ForceSum> sums_;
+  std::vector<std::int64_t> viscousSums_;  ///< [6] a segment
   std::int64_t rebuilds_ = 0, resolved_ = 0;
   // Since the last rebuild, for tuning the skin.
   double pairSeconds_ = 0, rebuildSeconds_ = 0;

@@ -12,6 +12,8 @@ namespace nanoweft {
 
 class Hertz {
  public:
+  using Kernel = Hertz;
+
   Hertz(double stiffness, double radius) : stiffness_(stiffness), contact_(2.0 * radius) {}
 
   double cutoff() const { return contact_; }

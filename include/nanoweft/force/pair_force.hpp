@@ -16,6 +16,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/force/sums.hpp"
 #include "nanoweft/force/switch.hpp"
 #include "nanoweft/state/box.hpp"
 
@@ -39,7 +40,7 @@ struct PairJob {
   const ListPair* pairs;
   std::size_t count;
   std::int32_t begin, end;
-  std::int64_t* sum;  ///< [6] a segment: force, torque
+  ForceSum* sum;
   const MinimumImage* nearest;
   // With viscous damping only:
   const double* velocity = nullptr;

@@ -8,6 +8,7 @@
 #include "nanoweft/force/pair_force.hpp"
 #include "nanoweft/force/pair_sift.hpp"
 #include "nanoweft/force/pair_table.hpp"
+#include "nanoweft/force/sums.hpp"
 
 namespace nanoweft {
 
@@ -81,9 +82,11 @@ struct KernelUnits {
   double length, force, torque;
 };
 
-/// Viscous forces of a pair in reach (physics.md 5).
-inline void addViscous(const PairJob& job, const KernelUnits& units, std::int32_t i, std::int32_t j,
-                       bool mineI, bool mineJ) {
+/// Viscous forces of a pair in reach (physics.md 5). Not inlined: seldom used, it would take
+/// registers from the rest.
+[[gnu::noinline]] inline void addViscous(const PairJob& job, const KernelUnits& units,
+                                         std::int32_t i, std::int32_t j) {
+  const bool mineI = i >= job.begin && i < job.end, mineJ = j >= job.begin && j < job.end;
   for (int c = 0; c < 3; ++c) {
     const auto f = std::llrint(job.viscous.linear *
                                (job.velocity[3 * j + c] - job.velocity[3 * i + c]) / units.force);
@@ -102,9 +105,12 @@ inline void addViscous(const PairJob& job, const KernelUnits& units, std::int32_
 
 /// Adds the pairs of a block, N points on each axis; `weight` multiplies their energies.
 template <bool Energies, int N, class Law>
-void addBlock(const Law& law, const KernelUnits& units, const Weight& weight,
+void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
               const PairBlock& block, const PairJob& job, PairTally& tally) {
+  const typename Law::Kernel law = shared;
   const Lanes perForce(1.0 / units.force), perTorque(1.0 / units.torque);
+  ForceSum others{};
+  const SumShare share{job.sum, job.begin, job.end, &others};
   for (int first = 0; first < block.count; first += laneCount) {
     const int used = std::min(laneCount, block.count - first);
     const std::int32_t *i = block.i + first, *j = block.j + first;
@@ -118,39 +124,30 @@ void addBlock(const Law& law, const KernelUnits& units, const Weight& weight,
       pair = resolvePair<Energies, N>(law, units.length, separation, {}, {});
     if (!anyOf(pair.touching)) continue;
     if constexpr (Energies) weight.apply(separation, pair);
-    LaneIntegers whole[9];
-    auto store = [&](int row, const Vec3<Lanes>& v, const Lanes& scale) {
-      whole[row] = nearestIntegers(v.x * scale);
-      whole[row + 1] = nearestIntegers(v.y * scale);
-      whole[row + 2] = nearestIntegers(v.z * scale);
+    SumRecord onI[laneCount], onJ[laneCount];
+    auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v, const Lanes& scale) {
+      to[0] = nearestIntegers(v.x * scale);
+      to[1] = nearestIntegers(v.y * scale);
+      to[2] = nearestIntegers(v.z * scale);
     };
-    store(0, pair.force, perForce);
-    if constexpr (N > 1) {
-      store(3, pair.torqueI, perTorque);
-      store(6, pair.torqueJ, perTorque);
-    }
-    for (int k = 0; k < used; ++k) {
-      const bool mineI = i[k] >= job.begin && i[k] < job.end;
-      const bool mineJ = j[k] >= job.begin && j[k] < job.end;
-      std::int64_t* si = job.sum + 6 * static_cast<std::size_t>(i[k]);
-      std::int64_t* sj = job.sum + 6 * static_cast<std::size_t>(j[k]);
-      if (mineI)
-        for (int c = 0; c < 3; ++c) {
-          si[c] += whole[c][k];
-          if constexpr (N > 1) si[3 + c] += whole[3 + c][k];
-        }
-      if (mineJ)
-        for (int c = 0; c < 3; ++c) {
-          sj[c] -= whole[c][k];
-          if constexpr (N > 1) sj[3 + c] += whole[6 + c][k];
-        }
-      if constexpr (Energies)
-        if (mineI) tally.energy.add(pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
-      // A blended pair comes twice; its damping acts once.
-      if (job.viscousSum && weight.kind != Weight::rising &&
-          pair.touching[static_cast<std::size_t>(k)])
-        addViscous(job, units, i[k], j[k], mineI, mineJ);
-    }
+    constexpr int components = N > 1 ? 6 : 3;
+    LaneIntegers component[6];
+    whole(component, pair.force, perForce);
+    if constexpr (N > 1) whole(component + 3, pair.torqueI, perTorque);
+    toRecords<components>(component, onI);
+    for (int c = 0; c < 3; ++c) component[c] = -component[c];
+    if constexpr (N > 1) whole(component + 3, pair.torqueJ, perTorque);
+    toRecords<components>(component, onJ);
+    for (int k = used; k < laneCount; ++k) onI[k] = onJ[k] = SumRecord{};
+    scatter(share, i, j, onI, onJ);
+    if constexpr (Energies)
+      for (int k = 0; k < used; ++k)
+        if (share.owns(i[k]))
+          tally.energy.add(pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
+    // A blended pair comes twice; its damping acts once.
+    if (job.viscousSum && weight.kind != Weight::rising)
+      for (int k = 0; k < used; ++k)
+        if (pair.touching[static_cast<std::size_t>(k)]) addViscous(job, units, i[k], j[k]);
   }
 }
 
