@@ -58,7 +58,7 @@ def printed(ranks, fibres, segments, skin, kind, piece):
 
     speed = [float(re.search(r"speed: (\S+) segment", run(100))[1]) for _ in range(3)]
     text = run(1)
-    found = {"imbalance": float(re.search(r"imbalance ([\d.]+), memory", text)[1]) if ranks == 1 else None,
+    found = {"imbalance": float(re.search(r"imbalance ([\d.]+), peak memory", text)[1]) if ranks == 1 else None,
              "ghosts": None, "bonds": None, "ms": 2e3 * fibres * segments / np.median(speed)}
     line = re.search(r"partition: .*imbalance of work ([\d.]+), ([\d.]+) ghosts a segment, (\d+) bonds cut", text)
     if line:

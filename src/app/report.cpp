@@ -122,7 +122,7 @@ void Simulation::printSummary() const {
               state_->time - firstTime_, units_.time, duration(wall).c_str());
   PetscPrintf(comm_,
               "speed: %.4g segment-steps/s, %.4g pairs/s, %.4g ns/day; %lld list rebuilds, "
-              "imbalance %.3f, memory %.0f MB\n",
+              "imbalance %.3f, peak memory %.0f MB\n",
               steps * static_cast<double>(state_->total()) / wall,
               static_cast<double>(resolved) / wall,
               (state_->time - firstTime_) * units_.secondsPerTime * 1e9 / wall * 86400.0,

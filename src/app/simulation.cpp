@@ -8,6 +8,8 @@
 #include "nanoweft/base/log.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/motion/breakage.hpp"
+#include "nanoweft/record/gage_stress.hpp"
+#include "nanoweft/record/segment_fields.hpp"
 #include "nanoweft/state/output_target.hpp"
 
 namespace nanoweft {
@@ -54,11 +56,12 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
                      {timeColumn(units_), "stretch", "shear", "bending", "torsion", "pair",
                       "kinetic", "rotational", "total", "damped", "external", "broken"},
                      0, {1, 2, 3, 4, 5, 6, 7}),
-      stressMonitor_(
-          options, "stress_monitor",
-          "stress of a tension test through a viewer: ascii:FILE.csv, draw",
-          {timeColumn(units_), "strain", "stress_left_GPa", "stress_right_GPa", "broken_bonds"}, 1,
-          {2, 3}),
+      stressMonitor_(options, "stress_monitor",
+                     "stress of a tension test through a viewer: ascii:FILE.csv, draw",
+                     {timeColumn(units_), "strain", "stress_left_GPa", "stress_right_GPa",
+                      "broken_bonds", "virial_xx_GPa", "virial_yy_GPa", "virial_zz_GPa",
+                      "virial_xy_GPa", "virial_xz_GPa", "virial_yz_GPa"},
+                     1, {2, 3}),
       driftEvent_(logEvent("NwKickDrift")),
       kickEvent_(logEvent("NwKick")),
       recordEvent_(logEvent("NwRecord")),
@@ -253,7 +256,7 @@ void Simulation::begin() {
     record();
     if (snapshots_) {
       const LogScope log(fileEvent_);
-      snapshots_->write(*state_, units_);
+      snapshots_->write(*state_, units_, segmentFields(*state_, *domain_, *forces_));
     }
   }
   firstResolved_ = forces_->pairsResolved();
@@ -305,7 +308,7 @@ void Simulation::step() {
   if (notices & progress) printProgress();
   if (snapshots_ && due(settings_.snapshotInterval)) {
     const LogScope log(fileEvent_);
-    snapshots_->write(*state_, units_);
+    snapshots_->write(*state_, units_, segmentFields(*state_, *domain_, *forces_));
   }
   if (checkpoint) writeCheckpoint(settings_.checkpointFile);
   if (settings_.limitInterval > 0 && due(settings_.limitInterval)) followLimit();
@@ -335,8 +338,13 @@ void Simulation::record() {
   if (boundaries_.tension()) {
     const auto stress = boundaries_.gripStress(*state_, *forces_, units_);
     strength_ = std::max(strength_, 0.5 * (stress[0] + stress[1]));
-    stressMonitor_.record(state_->step, {state_->time, strain(), stress[0], stress[1],
-                                         static_cast<double>(e.brokenBonds)});
+    if (stressMonitor_.wanted()) {
+      const auto virial = gageStress(*state_, *domain_, *forces_, *boundaries_.tension(), units_);
+      std::vector<double> row{state_->time, strain(), stress[0], stress[1],
+                              static_cast<double>(e.brokenBonds)};
+      row.insert(row.end(), virial.begin(), virial.end());
+      stressMonitor_.record(state_->step, row);
+    }
   }
   lastRecorded_ = state_->step;
 }

@@ -79,20 +79,51 @@ class PairForceOf final : public PairForce {
     }
   }
 
-  double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
+  PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
     const Vec3d ei = axis1(qi), ej = axis1(qj);
+    const double r = norm(separation);
+    if (r <= points_.blend.from) return average(points_.near, separation, ei, ej);
+    const PairAction few = average(points_.far, separation, ei, ej);
+    if (r >= points_.blend.to) return few;
+    const PairAction many = average(points_.near, separation, ei, ej);
+    double s, ds;
+    points_.blend.factor(r, s, ds);
+    return {s * many.energy + (1.0 - s) * few.energy,
+            s * many.force + (1.0 - s) * few.force +
+                ((many.energy - few.energy) * ds / r) * separation};
+  }
+
+  double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
     double smallest = std::numeric_limits<double>::infinity();
-    const int n = points_.near;
-    for (int a = 0; a < n; ++a)
-      for (int b = 0; b < n; ++b) {
-        const double half = 0.5 * (n - 1), spacing = length_ / n;
-        const Vec3d d = separation + ((b - half) * spacing) * ej - ((a - half) * spacing) * ei;
-        smallest = std::min(smallest, norm(d));
-      }
+    forPoints(points_.near, separation, axis1(qi), axis1(qj),
+              [&](const Vec3d& d) { smallest = std::min(smallest, norm(d)); });
     return smallest;
   }
 
  private:
+  /// Calls visit(p_jb - p_ia) for all points of a pair.
+  template <class Visit>
+  void forPoints(int n, const Vec3d& separation, const Vec3d& ei, const Vec3d& ej,
+                 const Visit& visit) const {
+    const double half = 0.5 * (n - 1), spacing = length_ / n;
+    for (int a = 0; a < n; ++a)
+      for (int b = 0; b < n; ++b)
+        visit(separation + ((b - half) * spacing) * ej - ((a - half) * spacing) * ei);
+  }
+
+  PairAction average(int n, const Vec3d& separation, const Vec3d& ei, const Vec3d& ej) const {
+    PairAction sum;
+    forPoints(n, separation, ei, ej, [&](const Vec3d& d) {
+      const double r2 = dot(d, d);
+      if (r2 >= cutoff_ * cutoff_) return;
+      const auto u = law_(r2);
+      sum.energy += u.energy;
+      sum.force += u.slope * d;
+    });
+    const double share = 1.0 / (n * n);
+    return {share * sum.energy, share * sum.force};
+  }
+
   using Kernel = void (*)(const Law&, const KernelUnits&, const Weight&, const PairBlock&,
                           const PairJob&, PairTally&);
   /// By number of points less one, without and with energies.

@@ -11,7 +11,6 @@ namespace nanoweft {
 namespace {
 
 constexpr int mostNamed = 12;
-constexpr int leftGripBit = 28, rightGripBit = 29;
 static_assert(firstReservedGroupBit + mostNamed <= leftGripBit);
 
 }  // namespace
@@ -114,8 +113,15 @@ void Boundaries::readTension(Options& options, const UnitSystem& units, const Fi
                        "time of constant acceleration at the start", nonNegative)
                .value_or(0.01 / t.rate);
   t.grip = s.maybeReal("tension_grip", "5 T", units.length,
-                       "length of each grip, from the outermost segment inwards", positive)
+                       "length of each grip, from the ends of the piece inwards", positive)
                .value_or(5.0 * fibre.length);
+  if (const auto ends = s.reals("tension_ends", 2, "its outermost segments", units.length,
+                                "where the piece ends; what lies beyond is held by the grips")) {
+    t.ends = {(*ends)[0], (*ends)[1]};
+    if (!((*ends)[0] < (*ends)[1]))
+      throw InputError(
+          format("-tension_ends %g,%g: the lower end comes first", (*ends)[0], (*ends)[1]));
+  }
   t.maxStrain = s.real("tension_max_strain", 0.5, "", "strain at which the run ends", positive);
   t.width = s.maybeReal("tension_width", "measured at the start", units.length,
                         "width of the fabric, for the stress", positive)
@@ -213,7 +219,7 @@ void Boundaries::attachTension(State& state) {
     extent[3] = std::min(extent[3], -other);
   }
   MPI_Allreduce(MPI_IN_PLACE, extent, 4, MPI_DOUBLE, MPI_MIN, state.comm());
-  const double lower = extent[0], upper = -extent[1];
+  const auto [lower, upper] = t.ends.value_or(std::array{extent[0], -extent[1]});
   t.start = state.time;
   t.gage = upper - lower - 2.0 * t.grip;
   if (state.box.periodic[static_cast<std::size_t>(t.axis)])

@@ -10,7 +10,6 @@
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
 #include "nanoweft/state/output_target.hpp"
-#include "nanoweft/state/state_file.hpp"
 
 namespace nanoweft {
 
@@ -35,6 +34,19 @@ std::vector<std::string> numberedFiles(const std::string& name, std::int64_t las
   }
   std::ranges::sort(files);
   return files;
+}
+
+/// Names of the datasets in a group of a file; none when it has no such group.
+std::vector<std::string> namesIn(hid_t file, const char* group) {
+  std::vector<std::string> names;
+  if (H5Lexists(file, group, H5P_DEFAULT) <= 0) return names;
+  h5::Handle g(H5Gopen2(file, group, H5P_DEFAULT), H5Gclose);
+  auto note = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+    return 0;
+  };
+  H5Literate(g, H5_INDEX_NAME, H5_ITER_INC, nullptr, note, &names);
+  return names;
 }
 
 constexpr const char* indexMark = "<Grid Name=\"fibres\" GridType=\"Collection\"";
@@ -90,14 +102,15 @@ void Snapshots::addEntry(const std::string& file) {
   const std::string name = fs::path(file).filename().string();
   std::erase_if(entries_, [&](const Entry& e) { return e.file == name; });
   entries_.push_back({name, time ? (*time)[0] : 0.0, static_cast<std::int64_t>(points[0]),
-                      static_cast<std::int64_t>(lines[0])});
+                      static_cast<std::int64_t>(lines[0]), namesIn(f, "field")});
 }
 
-void Snapshots::write(State& state, const UnitSystem& units) {
+void Snapshots::write(State& state, const UnitSystem& units, std::vector<SegmentField> fields) {
   const std::string file =
       format("%s_%010lld.h5", name_.c_str(), static_cast<long long>(state.step));
   StateWriteOptions what;
   what.mesh = true;
+  what.fields = std::move(fields);
   writeState(file, state, units, {}, what);
   std::string problem;
   if (state.rank() == 0) {
@@ -134,22 +147,17 @@ void Snapshots::writeIndex() const {
           << item(e, "/mesh/lines", e.lines, 2, "Int", 4)
           << "</Topology>\n<Geometry GeometryType=\"XYZ\">"
           << item(e, "/mesh/points", e.points, 3, "Float", 4) << "</Geometry>\n";
-      struct Field {
-        const char *name, *kind;
-        int columns;
-        const char* type;
-        int bytes;
+      auto attribute = [&](const std::string& group, const std::string& name, const char* kind,
+                           int columns, const char* type, int bytes) {
+        out << format("<Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">", name.c_str(),
+                      kind)
+            << item(e, (group + name).c_str(), e.points, columns, type, bytes) << "</Attribute>\n";
       };
-      constexpr Field fields[] = {{"velocity", "Vector", 3, "Float", 8},
-                                  {"fibre", "Scalar", 1, "Int", 8},
-                                  {"group", "Scalar", 1, "Int", 4},
-                                  {"bond_broken", "Scalar", 1, "Char", 1}};
-      for (const Field& f : fields)
-        out << format("<Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">", f.name,
-                      f.kind)
-            << item(e, (std::string("/state/") + f.name).c_str(), e.points, f.columns, f.type,
-                    f.bytes)
-            << "</Attribute>\n";
+      attribute("/state/", "velocity", "Vector", 3, "Float", 8);
+      attribute("/state/", "fibre", "Scalar", 1, "Int", 8);
+      attribute("/state/", "group", "Scalar", 1, "Int", 4);
+      attribute("/state/", "bond_broken", "Scalar", 1, "Char", 1);
+      for (const std::string& name : e.fields) attribute("/field/", name, "Scalar", 1, "Float", 4);
       out << "</Grid>\n";
     }
     out << "</Grid>\n</Domain>\n</Xdmf>\n";

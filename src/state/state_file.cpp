@@ -460,7 +460,7 @@ std::string publish(const std::string& temporary, const std::string& file) {
 }  // namespace
 
 void writeState(const std::string& name, State& state, const UnitSystem& units,
-                const RunRecord& run, StateWriteOptions what) {
+                const RunRecord& run, const StateWriteOptions& what) {
   // A link stays one: its target is replaced.
   std::error_code code;
   const auto target = std::filesystem::canonical(name, code);
@@ -547,6 +547,14 @@ void writeState(const std::string& name, State& state, const UnitSystem& units,
       for (const auto& [name, values] : run.reals) h5::writeAttribute(record, name.c_str(), values);
       for (const auto& [name, values] : run.integers)
         h5::writeAttribute(record, name.c_str(), values);
+    }
+
+    if (!what.fields.empty()) {
+      h5::Handle fields(H5Gcreate2(f, "field", H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
+      for (const SegmentField& field : what.fields)
+        good = writeRows(fields, field.name, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, state.total(),
+                         block.begin, block.count, 1, false, ordered(field.values.data(), 1)) &&
+               good;
     }
 
     if (what.mesh) {

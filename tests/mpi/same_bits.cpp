@@ -24,21 +24,23 @@ void expectSameFiles(const std::string& options, const std::vector<std::string>&
 
 const std::string outputs =
     " -state_output out.h5 -state_forces -energy_monitor ascii:energy.csv -monitor_interval 50";
+const std::string frames = " -snapshot_file frame -snapshot_interval 200";
 const std::vector<std::pair<int, int>> allLayouts{{1, 2}, {2, 1}, {2, 2}, {4, 1}, {4, 2}};
 
 TEST(SameBits, OpenWeave) {
   expectSameFiles(
       "-weave_fibres 6,6 -weave_segments 36 -damping_local 0.4 -scene_perturb 0.1 -ts_max_steps "
       "400" +
-          outputs,
-      {"out.h5", "energy.csv"}, allLayouts);
+          outputs + frames,
+      {"out.h5", "energy.csv", "frame.xdmf", "frame_0000000400.h5"}, allLayouts);
 }
 
 TEST(SameBits, PeriodicWeaveOnMoreRanks) {
   expectSameFiles(
-      "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.2 -ts_max_steps 300" +
-          outputs,
-      {"out.h5", "energy.csv"}, {{2, 1}, {3, 1}, {8, 1}});
+      "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.2 -ts_max_steps 300 "
+      "-pair_far_points 1" +
+          outputs + frames,
+      {"out.h5", "energy.csv", "frame_0000000200.h5"}, {{2, 1}, {3, 1}, {8, 1}});
 }
 
 TEST(SameBits, TensionWithBreakage) {
@@ -47,8 +49,9 @@ TEST(SameBits, TensionWithBreakage) {
       "2000 -tension_grip 40 "
       "-tension_max_strain 0.45 -break_strain_mean 0.12 -break_strain_std 0.03 -ts_dt 15 "
       "-stress_monitor ascii:stress.csv" +
-          outputs,
-      {"out.h5", "energy.csv", "stress.csv"}, {{1, 2}, {2, 1}, {4, 1}});
+          outputs + frames,
+      {"out.h5", "energy.csv", "stress.csv", "frame_0000000200.h5", "frame_0000001400.h5"},
+      {{1, 2}, {2, 1}, {4, 1}});
 }
 
 TEST(SameBits, ViscousDamping) {

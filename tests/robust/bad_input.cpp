@@ -283,6 +283,9 @@ const std::vector<Case> cases = {
     {"BoundaryWithoutMembers",
      fibre + "-bc hold -hold_fix 1,1,1",
      {"-bc hold", "-hold_region", "-hold_group"}},
+    {"TensionEnds",
+     fibre + "-tension_rate 1e-6 -tension_ends 100,20",
+     {"-tension_ends 100,20", "lower end"}},
     {"LongGrips", fibre + "-tension_rate 1e-6 -tension_grip 100", {"-tension_grip 100", "149.16"}},
     // Output that must not be lost, or cannot be written.
     {"ForeignStateOutput",

@@ -30,6 +30,11 @@ class FolderTest(unittest.TestCase):
                       if name.startswith("frame_") and name.endswith(".h5"))
 
 
+def read_fields(name):
+    with h5py.File(name, "r") as file:
+        return {key: data[()] for key, data in file["field"].items()}
+
+
 def read_state(name):
     with h5py.File(name, "r") as file:
         state = {key: data[()] for key, data in file["state"].items()}

@@ -5,7 +5,7 @@ import sys
 import unittest
 
 import numpy as np
-from support import FolderTest, read_state
+from support import FolderTest, read_fields, read_state
 
 try:
     from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -48,15 +48,22 @@ class Xdmf(FolderTest):
     def expect_frames(self, snapshots):
         """Both readers see what the snapshots hold; returns the numbers of lines."""
         states = [read_state(name) for name in snapshots]
+        fields = [read_fields(name) for name in snapshots]
+        for field in fields:
+            self.assertEqual(set(field), {"strain"} | {part + "_energy" for part in (
+                "stretch", "shear", "bending", "torsion", "pair")})
         for kind in vtkXdmf3Reader, vtkXdmfReader:
-            for (time, data), state in zip(frames(kind, self.path("frame.xdmf")), states, strict=True):
+            for (time, data), state, field in zip(frames(kind, self.path("frame.xdmf")), states, fields, strict=True):
                 self.assertEqual(time, state["time"])
                 whole = state["position"] + state["image"] * (state["upper"] - state["lower"])
                 np.testing.assert_array_equal(vtk_to_numpy(data.GetPoints().GetData()), whole.astype(np.float32))
                 self.assertEqual(data.GetNumberOfCells(), len(bonds(state)))
                 self.assertEqual(lines(data), bonds(state))
-                for key in "velocity", "fibre", "group", "bond_broken":
-                    np.testing.assert_array_equal(vtk_to_numpy(data.GetPointData().GetArray(key)), state[key])
+                points = data.GetPointData()
+                seen = {"velocity", "fibre", "group", "bond_broken"} | set(field)
+                self.assertEqual({points.GetArrayName(k) for k in range(points.GetNumberOfArrays())}, seen)
+                for key in seen:
+                    np.testing.assert_array_equal(vtk_to_numpy(points.GetArray(key)), (state | field)[key])
         return [len(bonds(state)) for state in states]
 
     def test_weave(self):

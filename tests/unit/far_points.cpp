@@ -123,6 +123,23 @@ TEST(FarPoints, ForceAndTorqueAreTheGradientOfTheEnergy) {
   }
 }
 
+TEST(FarPoints, APairOnItsOwnIsTheSame) {
+  Random random;
+  for (const char* options : {"-pair_points 3", "-pair_points 5 -pair_far_points 2",
+                              "-pair_points 3 -pair_far_points 1", "-pair hertz -pair_points 4"}) {
+    const auto force = makeForce(options);
+    for (double distance = 10.0; distance < 64.0; distance += 0.7) {
+      const auto pair = pairAt(distance, random);
+      const Sum sum = evaluate(*force, pair);
+      const PairAction one = force->resolve(pair[1].x - pair[0].x, pair[0].q, pair[1].q);
+      // Sums have a unit: 1e-22 eV, and forceUnit.
+      EXPECT_NEAR(one.energy, sum.energy, 1e-11 * std::abs(sum.energy) + 1e-15);
+      EXPECT_LT(norm(one.force - sum.force[0]),
+                1e-11 * norm(sum.force[0]) + 2 * force->forceUnit());
+    }
+  }
+}
+
 TEST(FarPoints, EveryPairOfALongListIsResolvedOnce) {
   // More pairs of each class than a block holds; the sum over all is that over each alone.
   const auto force = makeForce("-pair_points 3 -pair_far_points 1");

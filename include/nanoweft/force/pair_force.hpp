@@ -56,6 +56,12 @@ struct PairTally {
   std::int64_t pointPairs = 0;  ///< of those pairs
 };
 
+/// Energy of a pair and the force on its first segment.
+struct PairAction {
+  double energy = 0;
+  Vec3d force;
+};
+
 /// How many points a segment has, for pairs near and far.
 struct PointChoice {
   int near = 3, far = 3;
@@ -68,6 +74,8 @@ class PairForce {
 
   /// Adds the pairs' forces; `tally.energy` too when `energies`.
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
+  /// One pair on its own, `separation` = x_j - x_i: for what looks at the pairs now and then.
+  virtual PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
   /// Smallest distance of two points of the pair.
   virtual double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
 

@@ -15,6 +15,9 @@
 
 namespace nanoweft {
 
+/// Bits of State::group that mark the segments held by the grips of a tension test.
+inline constexpr int leftGripBit = 28, rightGripBit = 29;
+
 /// One boundary condition. Velocity, force and torque grow linearly during `ramp`.
 struct Boundary {
   std::string name;
@@ -36,6 +39,7 @@ struct Boundary {
 struct Tension {
   int axis = 0;
   double rate = 0, ramp = 0, grip = 0;
+  std::optional<std::array<double, 2>> ends;  ///< of the piece; empty: its outermost segments
   double maxStrain = 0;
   double width = 0;      ///< of the fabric at the start; 0: measured
   double thickness = 0;  ///< for the stress

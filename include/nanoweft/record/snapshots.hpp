@@ -1,12 +1,12 @@
-/// Snapshots: state files NAME_<step>.h5 with points and lines for ParaView, and NAME.xdmf, which
-/// lists them all over time.
+/// Snapshots: state files NAME_<step>.h5 with points, lines and fields for ParaView, and NAME.xdmf,
+/// which lists them all over time.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "nanoweft/base/units.hpp"
-#include "nanoweft/state/state.hpp"
+#include "nanoweft/state/state_file.hpp"
 
 namespace nanoweft {
 
@@ -16,13 +16,14 @@ class Snapshots {
   Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep);
   /// Throws InputError when snapshots of this name would replace files that are none.
   static void check(MPI_Comm comm, const std::string& name);
-  void write(State& state, const UnitSystem& units);
+  void write(State& state, const UnitSystem& units, std::vector<SegmentField> fields);
 
  private:
   struct Entry {
     std::string file;
     double time;
     std::int64_t points, lines;
+    std::vector<std::string> fields;  // in /field
   };
   void addEntry(const std::string& file);
   void writeIndex() const;

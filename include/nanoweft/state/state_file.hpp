@@ -30,9 +30,16 @@ struct StateHeader {
   RunRecord run;
 };
 
+/// A number for each owned segment, to be written as /field/NAME (float32).
+struct SegmentField {
+  const char* name;
+  std::vector<float> values;
+};
+
 struct StateWriteOptions {
-  bool forces = false;  ///< write /state/force and /state/torque
-  bool mesh = false;    ///< write /mesh (points and lines) for ParaView
+  bool forces = false;               ///< write /state/force and /state/torque
+  bool mesh = false;                 ///< write /mesh (points and lines) for ParaView
+  std::vector<SegmentField> fields;  ///< write them to /field
 };
 
 /// Checks the file and reads all but the rows. Throws InputError, with the reason, for a file that
@@ -45,7 +52,7 @@ void readStateRows(const std::string& file, const StateHeader& header, State& st
 
 /// Writes the owned points of all ranks. Ghosts are ignored. Throws RunError.
 void writeState(const std::string& file, State& state, const UnitSystem& units,
-                const RunRecord& run, StateWriteOptions what = {});
+                const RunRecord& run, const StateWriteOptions& what = {});
 
 /// Why the file as a whole cannot be used as a state, or nothing. Not collective.
 std::string stateFileProblem(const std::string& file);

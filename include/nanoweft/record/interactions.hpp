@@ -1,0 +1,41 @@
+/// Bonds and pairs one by one, for what is evaluated now and then: the forces of a step have their
+/// own, faster ways. Right after an evaluation of the forces only, while lists and ghosts are those
+/// of the moment.
+#pragma once
+
+#include "nanoweft/domain/domain.hpp"
+#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/state/state.hpp"
+
+namespace nanoweft {
+
+/// Local index of the segment that a whole bond ties to the owned segment i, after it (before it)
+/// along the fibre, or -1.
+inline int bondedNext(const State& state, const Domain& domain, int i) {
+  const auto row = state.bond[i] & nextBroken ? -1 : state.successor(i);
+  return row < 0 ? -1 : domain.localIndex(row);
+}
+inline int bondedPrevious(const State& state, const Domain& domain, int i) {
+  const auto row = state.bond[i] & previousBroken ? -1 : state.predecessor(i);
+  return row < 0 ? -1 : domain.localIndex(row);
+}
+
+/// x_j - x_i by the minimum image.
+inline Vec3d separationOf(const State& state, const ForceField& forces, int i, int j) {
+  return forces.nearest()(state.position(j) - state.position(i));
+}
+
+/// Calls visit(pair, x_j - x_i) for the pairs in reach that a thread lists, those of two threads or
+/// ranks for either.
+template <class Visit>
+void forEachPair(const State& state, const ForceField& forces, std::size_t thread,
+                 const Visit& visit) {
+  if (!forces.pair()) return;
+  const double reach2 = forces.pair()->reach() * forces.pair()->reach();
+  const auto& lists = forces.pairList().threads()[thread];
+  for (const auto* list : {&lists.inner, &lists.outer})
+    for (const ListPair& p : *list)
+      if (const Vec3d d = separationOf(state, forces, p.i, p.j); dot(d, d) < reach2) visit(p, d);
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,103 @@
+#include "nanoweft/record/gage_stress.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/record/interactions.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// The region between two planes across an axis.
+struct Gage {
+  double lower, upper;
+
+  double held(double x) const { return std::clamp(x, lower, upper); }
+  bool contains(double x) const { return x > lower && x < upper; }
+  /// Part of the line from `from` to `to` that lies inside.
+  double part(double from, double to) const {
+    return from == to ? contains(from) : (held(to) - held(from)) / (to - from);
+  }
+};
+
+Gage findGage(const State& state, int axis, double segment) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double faces[2] = {-infinity, -infinity};  // a and -b
+  for (int i = 0; i < state.owned(); ++i) {
+    const double x = state.pose[8 * i + axis];
+    if (state.group[i] >> leftGripBit & 1) faces[0] = std::max(faces[0], x);
+    if (state.group[i] >> rightGripBit & 1) faces[1] = std::max(faces[1], -x);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, faces, 2, MPI_DOUBLE, MPI_MAX, state.comm());
+  const double between = -faces[1] - faces[0], inset = std::min(0.5 * segment, 0.25 * between);
+  return {faces[0] + inset, -faces[1] - inset};
+}
+
+/// Sum of symmetric dyads: xx, yy, zz, xy, xz, yz.
+struct DyadSum {
+  SumUnit unit;
+  ExactSum sum[6];
+
+  void add(double factor, const Vec3d& a, const Vec3d& b) {
+    sum[0].add(factor * a.x * b.x, unit);
+    sum[1].add(factor * a.y * b.y, unit);
+    sum[2].add(factor * a.z * b.z, unit);
+    sum[3].add(0.5 * factor * (a.x * b.y + a.y * b.x), unit);
+    sum[4].add(0.5 * factor * (a.x * b.z + a.z * b.x), unit);
+    sum[5].add(0.5 * factor * (a.y * b.z + a.z * b.y), unit);
+  }
+};
+
+/// A thread's part of the virial. Each bond and pair counts for the owner of its first segment.
+void addVirial(const State& state, const Domain& domain, const ForceField& forces, const Gage& gage,
+               int axis, std::size_t thread, DyadSum& sum) {
+  const Share share = forces.shares()[thread];
+  auto along = [&](int i) { return state.pose[8 * i + axis]; };
+  for (int i = share.begin; i < share.end; ++i) {
+    const double* v = state.velocity + 3 * i;
+    const bool free = !(state.group[i] & (1 << leftGripBit | 1 << rightGripBit));
+    if (free && gage.contains(along(i)))
+      sum.add(-forces.fibre().mass, {v[0], v[1], v[2]}, {v[0], v[1], v[2]});
+    const int j = bondedNext(state, domain, i);
+    if (j < 0) continue;
+    if (const double part = gage.part(along(i), along(j)); part > 0) {
+      const Vec3d d = separationOf(state, forces, i, j);
+      const auto bond =
+          bondForce(forces.fibre().bond, d, state.orientation(i), state.orientation(j));
+      sum.add(part, d, bond.force);
+    }
+  }
+  forEachPair(state, forces, thread, [&](const ListPair& p, const Vec3d& d) {
+    if (p.i < share.begin || p.i >= share.end) return;
+    if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
+      sum.add(part, d,
+              forces.pair()->resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
+  });
+}
+
+}  // namespace
+
+std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
+                                 const Tension& tension, const UnitSystem& units) {
+  const Gage gage = findGage(state, tension.axis, forces.fibre().length);
+  const std::size_t threads = forces.shares().size();
+  DyadSum total{forces.energyUnit(), {}};
+#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(threads))
+  for (std::size_t t = 0; t < threads; ++t) {
+    DyadSum sum{forces.energyUnit(), {}};
+    addVirial(state, domain, forces, gage, tension.axis, t, sum);
+#pragma omp critical
+    for (std::size_t k = 0; k < 6; ++k) total.sum[k].merge(sum.sum[k]);
+  }
+  ExactSum::reduce(total.sum, 6, state.comm());
+  const double volume = (gage.upper - gage.lower) * tension.width * tension.thickness;
+  std::array<double, 6> stress;
+  for (std::size_t k = 0; k < 6; ++k)
+    stress[k] = total.sum[k].value(total.unit) / (volume * units.gigapascal);
+  return stress;
+}
+
+}  // namespace nanoweft

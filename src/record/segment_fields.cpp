@@ -1,0 +1,72 @@
+#include "nanoweft/record/segment_fields.hpp"
+
+#include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/record/interactions.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+enum Place { strain, stretch, shear, bending, torsion, pair };
+
+std::vector<SegmentField> emptyFields(int segments) {
+  std::vector<SegmentField> fields;
+  for (const char* name : {"strain", "stretch_energy", "shear_energy", "bending_energy",
+                           "torsion_energy", "pair_energy"})
+    fields.push_back({name, std::vector<float>(static_cast<std::size_t>(segments))});
+  return fields;
+}
+
+void setBondFields(const State& state, const Domain& domain, const ForceField& forces, int i,
+                   std::vector<SegmentField>& fields) {
+  const BondParameters& parameters = forces.fibre().bond;
+  BondEnergy<double> sum;
+  auto add = [&](int first, int second) {
+    if (first < 0 || second < 0) return;
+    const auto u = bondEnergy(parameters, separationOf(state, forces, first, second),
+                              state.orientation(first), state.orientation(second));
+    sum.stretch += 0.5 * u.stretch;
+    sum.shear += 0.5 * u.shear;
+    sum.bending += 0.5 * u.bending;
+    sum.torsion += 0.5 * u.torsion;
+  };
+  const int next = bondedNext(state, domain, i);
+  add(bondedPrevious(state, domain, i), i);
+  add(i, next);
+  auto set = [&](Place place, double value) {
+    fields[place].values[static_cast<std::size_t>(i)] = static_cast<float>(value);
+  };
+  if (next >= 0) set(strain, norm(separationOf(state, forces, i, next)) / parameters.length - 1.0);
+  set(stretch, sum.stretch);
+  set(shear, sum.shear);
+  set(bending, sum.bending);
+  set(torsion, sum.torsion);
+}
+
+}  // namespace
+
+std::vector<SegmentField> segmentFields(const State& state, const Domain& domain,
+                                        const ForceField& forces) {
+  auto fields = emptyFields(state.owned());
+  std::vector<ExactSum> pairEnergy(forces.pair() ? fields[pair].values.size() : 0);
+  const SumUnit& unit = forces.energyUnit();
+  const auto& shares = forces.shares();
+#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(shares.size()))
+  for (std::size_t t = 0; t < shares.size(); ++t) {
+    const Share share = shares[t];
+    for (int i = share.begin; i < share.end; ++i) setBondFields(state, domain, forces, i, fields);
+    forEachPair(state, forces, t, [&](const ListPair& p, const Vec3d& d) {
+      const double half =
+          0.5 * forces.pair()->resolve(d, state.orientation(p.i), state.orientation(p.j)).energy;
+      for (const int k : {p.i, p.j})
+        if (k >= share.begin && k < share.end)
+          pairEnergy[static_cast<std::size_t>(k)].add(half, unit);
+    });
+  }
+  for (std::size_t i = 0; i < pairEnergy.size(); ++i)
+    fields[pair].values[i] = static_cast<float>(pairEnergy[i].value(unit));
+  return fields;
+}
+
+}  // namespace nanoweft
