@@ -5,6 +5,7 @@
 
 #include "nanoweft/app/simulation.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/motion/residual.hpp"
 #include "nanoweft/motion/step_limit.hpp"
 
 namespace nanoweft {
@@ -59,10 +60,13 @@ void Simulation::printHeader() const {
                 "  time step %.4g %s; stable below %.4g now, %.4g for a free chain, about %.4g for "
                 "fibres pressed together\n",
                 verlet_->dt(), units_.time, presentLimit_, chainStepLimit(fibre_), bundle);
-  if (presentLimit_ > 0 && verlet_->dt() > bundle)
+  if (presentLimit_ > 0 && (fire_ ? fire_->longest() : verlet_->dt()) > bundle)
     PetscPrintf(comm_,
                 "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
-                verlet_->dt());
+                fire_ ? fire_->longest() : verlet_->dt());
+  if (fire_)
+    PetscPrintf(comm_, "  relaxation by FIRE, step at most %.4g %s; time is no physical time\n",
+                fire_->longest(), units_.time);
   if (restartHeader_)
     PetscPrintf(comm_, "  restart from %s at step %lld\n", settings_.restart.c_str(),
                 static_cast<long long>(state_->step));
@@ -106,6 +110,12 @@ void Simulation::printSummary() const {
     PetscPrintf(comm_,
                 "converged: the elastic energy changed by less than %g of itself in %ld steps\n",
                 settings_.relaxTolerance, settings_.relaxInterval);
+  if (balanced_)
+    PetscPrintf(comm_, "converged: no force that nothing balances exceeds %g %s\n",
+                settings_.relaxForce, units_.force);
+  if (fire_ || settings_.relaxForce > 0)
+    PetscPrintf(comm_, "largest force that nothing balances: %.4g %s\n",
+                largestResidual(*state_, *forces_, boundaries_), units_.force);
   PetscPrintf(comm_,
               "energies (%s): stretch %.10g, shear %.10g, bending %.10g, torsion %.10g, pair "
               "%.10g, kinetic %.6g, rotational %.6g\n",

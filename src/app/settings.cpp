@@ -17,8 +17,10 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   constexpr long most = 9000000000000000;
   OptionSection run(options, "Run");
   r.restart = run.text("restart", "", "go on from this checkpoint; steps and time count on");
-  r.dt = run.maybeReal("ts_dt", "20 in nano, 0.4 of the stable limit in si", units.time,
-                       "time step", positive);
+  r.dt = run.maybeReal(
+      "ts_dt", "20 in nano, 0.4 of the stable limit in si", units.time,
+      "time step; the longest with -relax_method fire (by default from the stable limit)",
+      positive);
   r.unsafeStep = run.flag("ts_dt_unsafe", false, "allow a step beyond the stable limit");
   r.limitInterval =
       run.integer("ts_limit_interval", 20000,
@@ -32,10 +34,17 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
                        "step number at which the run ends; 0: evaluate the start only", 0, most);
   r.maxTime =
       run.maybeReal("ts_max_time", "none", units.time, "time at which the run ends", nonNegative);
+  r.fire = run.choice("relax_method", "dynamics", {"dynamics", "fire"},
+                      "the way to rest: motion as it is, with what damping there is, or the "
+                      "minimiser FIRE") == "fire";
   r.relaxTolerance = run.real(
       "relax_tolerance", 0.0, "",
       "end when the elastic energy changes by less than this fraction in an interval; 0: do not",
       nonNegative);
+  r.relaxForce = run.real("relax_force", 0.0, units.force,
+                          "end when no segment feels a larger force, or torque over segment "
+                          "length, that nothing balances; 0: do not",
+                          nonNegative);
   OptionSection relax(options, "Run", r.relaxTolerance > 0, "-relax_tolerance is not set");
   r.relaxInterval =
       relax.integer("relax_interval", 5000, "steps between checks of -relax_tolerance", 1, most);
@@ -44,10 +53,12 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
       run.real("scene_perturb", 0.0, units.length,
                "standard deviation of random displacements of the starting positions", nonNegative);
 
-  OptionSection damping(options, "Damping");
+  const std::string fireNeedsNone = "-relax_method fire brings its own damping";
+  OptionSection damping(options, "Damping", !r.fire, fireNeedsNone);
   r.damping =
       damping.real("damping_local", 0.0, "", "local damping c: F - c |F| sign(v)", {0.0, 1.0});
-  OptionSection viscous(options, "Damping", pairs, "-pair is none");
+  OptionSection viscous(options, "Damping", pairs && !r.fire,
+                        r.fire ? fireNeedsNone : "-pair is none");
   const std::string linear =
       std::string(units.force) + "/(" + units.length + "/" + units.time + ")";
   const std::string angular = std::string(units.energy) + " " + units.time;

@@ -8,6 +8,7 @@
 #include "nanoweft/base/log.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/motion/breakage.hpp"
+#include "nanoweft/motion/residual.hpp"
 #include "nanoweft/record/gage_stress.hpp"
 #include "nanoweft/record/segment_fields.hpp"
 #include "nanoweft/state/output_target.hpp"
@@ -81,14 +82,25 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
   if (stressMonitor_.wanted() && !boundaries_.tension())
     throw InputError("-stress_monitor: there is no tension test; give -tension_rate");
   if (!settings_.maxSteps && !settings_.maxTime && settings_.relaxTolerance == 0 &&
-      !boundaries_.tension())
+      settings_.relaxForce == 0 && !boundaries_.tension())
     throw InputError(
-        "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance or -tension_rate");
+        "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance, -relax_force or "
+        "-tension_rate");
+  if (settings_.fire) requireRest();
   if (breakage_ && pairLaw_ && pairLaw_->exclude() > mostExcludeWithBreakage)
     throw InputError(format("-pair_exclude %d: at most %d with breakage", pairLaw_->exclude(),
                             mostExcludeWithBreakage));
   checkOutputs();
   build();
+}
+
+void Simulation::requireRest() const {
+  if (boundaries_.tension())
+    throw InputError("-relax_method fire: a tension test moves the grips; relax first, then pull");
+  for (const Boundary& b : boundaries_.list())
+    if (norm(b.velocity) > 0)
+      throw InputError("-relax_method fire: -" + b.name +
+                       "_velocity keeps the fibres moving, so there is no rest");
 }
 
 void Simulation::checkOutputs() const {
@@ -208,7 +220,7 @@ bool Simulation::atEnd() const {
 Ending Simulation::run() {
   printHeader();
   begin();
-  while (!atEnd() && !converged_ && !stopAsked_) step();
+  while (!atEnd() && !converged_ && !balanced_ && !stopAsked_) step();
   if (stopAsked_) {
     // Without a name given, one that takes no other file's place.
     const std::string file =
@@ -259,6 +271,7 @@ void Simulation::begin() {
       snapshots_->write(*state_, units_, segmentFields(*state_, *domain_, *forces_));
     }
   }
+  checkBalance();
   firstResolved_ = forces_->pairsResolved();
   wallStart_ = lastProgress_ = progressWall_ = MPI_Wtime();
   progressStep_ = state_->step;
@@ -290,6 +303,10 @@ void Simulation::step() {
   {
     const LogScope log(kickEvent_);
     verlet_->kick(*state_, *forces_, boundaries_, accounts_);
+    if (fire_) {
+      fire_->steer(*state_, *forces_, boundaries_, accounts_);
+      verlet_.emplace(fire_->dt(), 0.0);
+    }
   }
   if (due(gapCheckInterval)) releasedPairs_ = releasePairs(*state_, *forces_, *domain_);
 
@@ -305,14 +322,28 @@ void Simulation::step() {
                                           settings_.relaxTolerance * energies_->elastic();
     lastElastic_ = energies_->elastic();
   }
+  checkBalance();
   if (notices & progress) printProgress();
   if (snapshots_ && due(settings_.snapshotInterval)) {
     const LogScope log(fileEvent_);
     snapshots_->write(*state_, units_, segmentFields(*state_, *domain_, *forces_));
   }
-  if (checkpoint) writeCheckpoint(settings_.checkpointFile);
   if (settings_.limitInterval > 0 && due(settings_.limitInterval)) followLimit();
+  if (checkpoint) writeCheckpoint(settings_.checkpointFile);
   stopAsked_ = notices & stop;
+}
+
+void Simulation::checkBalance() {
+  // At the same steps after a restart, which must not end earlier.
+  if (settings_.relaxForce == 0 || !due(balanceCheckInterval)) return;
+  balanced_ = largestResidual(*state_, *forces_, boundaries_) <= settings_.relaxForce;
+  if (!balanced_ || energies_) return;
+  // The last row wants the energies.
+  ForceRequest request;
+  request.energies = true;
+  request.mayBreak = request.viscous = false;
+  energies_ = sumEnergies(*state_, *forces_, forces_->evaluate(*state_, domain_->halo(), request),
+                          accounts_);
 }
 
 int Simulation::agreeOn(const DriftReport& drift) {
@@ -360,6 +391,8 @@ RunRecord Simulation::runRecord() const {
   record.reals["tension_strength"] = {strength_};
   record.reals["fibre"] = fibreFingerprint(fibre_);
   boundaries_.save(record);
+  if (defaultStep_) record.reals["default_step"] = {*defaultStep_};
+  if (fire_) fire_->save(record);
   return record;
 }
 

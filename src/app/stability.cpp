@@ -9,25 +9,51 @@
 
 namespace nanoweft {
 
+namespace {
+
+/// FIRE's longest step over the stable step.
+constexpr double fireMargin = 0.9;
+
+}  // namespace
+
+double Simulation::defaultStep() {
+  const double stable = evaluatesOnly() ? chainStepLimit(fibre_) : presentLimit_;
+  // While FIRE runs, fibres that were apart may be pressed together.
+  if (settings_.fire)
+    return fireMargin * std::min(stable, bundleStepLimit(fibre_, forces_->pair()));
+  if (units_.name == "nano") return 20.0;
+  // A restart keeps the step that was chosen at the start.
+  if (restartHeader_)
+    if (const auto it = restartHeader_->run.reals.find("default_step");
+        it != restartHeader_->run.reals.end() && it->second.size() == 1)
+      return *(defaultStep_ = it->second[0]);
+  if (!evaluatesOnly()) defaultStep_ = 0.4 * stable;
+  return 0.4 * stable;
+}
+
 void Simulation::chooseStep() {
   if (!evaluatesOnly())
     firstLimit_ = lowestLimit_ = presentLimit_ =
         presentStepLimit(*state_, *forces_, domain_->halo());
-  const double dt = settings_.dt.value_or(
-      units_.name == "nano" ? 20.0
-                            : 0.4 * (evaluatesOnly() ? chainStepLimit(fibre_) : presentLimit_));
+  const double dt = settings_.dt ? *settings_.dt : defaultStep();
   if (!evaluatesOnly() && dt > presentLimit_ && !settings_.unsafeStep)
     throw InputError(
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
                "that (or -ts_dt_unsafe)",
                dt, presentLimit_, units_.time));
   verlet_.emplace(dt, settings_.damping);
+  if (!settings_.fire) return;
+  fire_.emplace(fibre_, dt);
+  if (restartHeader_ && fire_->restore(restartHeader_->run) && settings_.dt)
+    fire_->limit(*settings_.dt);
+  verlet_.emplace(fire_->dt(), 0.0);
 }
 
 void Simulation::followLimit() {
   presentLimit_ = presentStepLimit(*state_, *forces_, domain_->halo());
   lowestLimit_ = std::min(lowestLimit_, presentLimit_);
-  if (verlet_->dt() > presentLimit_ && !limitWarned_) {
+  if (fire_ && !settings_.unsafeStep) fire_->limit(fireMargin * presentLimit_);
+  if (!fire_ && verlet_->dt() > presentLimit_ && !limitWarned_) {
     PetscPrintf(comm_,
                 "warning: step %lld: -ts_dt %g is beyond the stable step of the present state, "
                 "%.4g %s\n",

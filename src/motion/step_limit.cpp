@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/random.hpp"
 
 namespace nanoweft {
@@ -34,11 +35,13 @@ double largestEigenvalue(const std::vector<double>& diagonal, const std::vector<
   return high;
 }
 
-double globalDot(const std::vector<double>& a, const std::vector<double>& b, MPI_Comm comm) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
-  return sum;
+/// Exact, so that a step chosen by the limit is the same on any number of ranks.
+double globalDot(const std::vector<double>& a, const std::vector<double>& b, const SumUnit& unit,
+                 MPI_Comm comm) {
+  ExactSum sum;
+  for (std::size_t k = 0; k < a.size(); ++k) sum.add(a[k] * b[k], unit);
+  ExactSum::reduce(&sum, 1, comm);
+  return sum.value(unit);
 }
 
 }  // namespace
@@ -70,12 +73,16 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
       }
   };
 
+  // Stiffness per mass against a chain's; contacts may be far stiffer.
+  const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.fibre()), 2);
+  const SumUnit ofStart(1e3), ofProduct(chain), ofSquare(chain * chain);
+
   // A random start has a part of every mode; it depends on the segments' ids alone.
   std::vector<double> q(6 * n), before(6 * n, 0.0), plus, minus;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t c = 0; c < 6; ++c)
       q[6 * i + c] = normalDraw(c, Purpose::stepEstimate, state.row[i], 0);
-  double norm = std::sqrt(globalDot(q, q, state.comm()));
+  double norm = std::sqrt(globalDot(q, q, ofStart, state.comm()));
   for (double& x : q) x /= norm;
 
   std::vector<double> diagonal, off;
@@ -93,14 +100,14 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     forcesAt(q, step, plus);
     forcesAt(q, -step, minus);
     for (std::size_t j = 0; j < q.size(); ++j) plus[j] = (minus[j] - plus[j]) / (2.0 * step);
-    const double a = globalDot(q, plus, state.comm());
+    const double a = globalDot(q, plus, ofProduct, state.comm());
     const double b = off.empty() ? 0.0 : off.back();
     for (std::size_t j = 0; j < q.size(); ++j) plus[j] -= a * q[j] + b * before[j];
     diagonal.push_back(a);
     const double previous = eigenvalue;
     eigenvalue = largestEigenvalue(diagonal, off);
     settled = std::abs(eigenvalue - previous) < 1e-4 * std::abs(eigenvalue) ? settled + 1 : 0;
-    norm = std::sqrt(globalDot(plus, plus, state.comm()));
+    norm = std::sqrt(globalDot(plus, plus, ofSquare, state.comm()));
     if (settled >= 4 || !(norm > 1e-9 * std::abs(eigenvalue))) break;
     before = q;
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = plus[j] / norm;

@@ -56,9 +56,31 @@ TEST(Restart, ConvergenceIsRemembered) {
       "-ts_max_steps 450", {"out.h5"});
 }
 
+TEST(Restart, Fire) {
+  // Step, mixing and the count of steps downhill go on; the first checkpoint lies on a step at
+  // which the stable limit is looked at.
+  for (const char* half : {"-ts_max_steps 100", "-ts_max_steps 133"})
+    expectSameInPieces(
+        "-weave_fibres 4,4 -weave_segments 24 -relax_method fire -relax_force 0.5 "
+        "-ts_limit_interval 50 -ts_max_steps 5000 -bc edge,pull -edge_region "
+        "-1000,-1000,-1000,10,1000,1000 -edge_fix 1,0,1 -pull_region "
+        "180,-1000,-1000,1000,1000,1000 -pull_force 0.05,0,0 -pull_ramp 4000" +
+            energy,
+        half, {"out.h5", "energy.csv"});
+}
+
+TEST(Restart, StepChosenByTheStableLimit) {
+  expectSameInPieces(
+      "-units si -scene fibre -fibre_preset carbon_t300 -fibre_segments 60 -fibre_bend 1 "
+      "-fibre_strain 0.01 -pair none -ts_max_steps 600" +
+          energy,
+      "-ts_max_steps 250", {"out.h5", "energy.csv"});
+}
+
 TEST(Restart, SignalsWriteACheckpointAndEndWithThree) {
   const std::string options =
-      "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 60000 -checkpoint_file "
+      "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 60000 "
+      "-checkpoint_file "
       "c.h5 "
       "-checkpoint_interval 100000 -progress_interval 0.05" +
       energy;

@@ -62,6 +62,34 @@ TEST(SameBits, ViscousDamping) {
       {"out.h5", "energy.csv"}, {{2, 1}, {4, 1}});
 }
 
+TEST(SameBits, Fire) {
+  // With loads, held components, a step that follows the stable limit, and an end by force.
+  expectSameFiles(
+      "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 -relax_method fire -relax_force 1 "
+      "-ts_limit_interval 50 -ts_max_steps 5000 -bc edge,pull -edge_region "
+      "-1000,-1000,-1000,10,1000,1000 -edge_fix 1,0,1 -edge_fix_rotation -pull_region "
+      "180,-1000,-1000,1000,1000,1000 -pull_force 0.05,0,0 -pull_torque 0,0,0.01" +
+          outputs,
+      {"out.h5", "energy.csv"}, allLayouts);
+}
+
+TEST(SameBits, FireOnAPeriodicWeave) {
+  expectSameFiles(
+      "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.2 -relax_method fire "
+      "-ts_max_steps 300" +
+          outputs,
+      {"out.h5", "energy.csv"}, {{2, 1}, {3, 1}, {8, 1}});
+}
+
+TEST(SameBits, StepChosenByTheStableLimit) {
+  // In si units; the limit is an iteration over sums of all ranks.
+  expectSameFiles(
+      "-units si -scene fibre -fibre_preset carbon_t300 -fibre_segments 60 -fibre_bend 1 "
+      "-fibre_strain 0.01 -pair none -ts_max_steps 300" +
+          outputs,
+      {"out.h5", "energy.csv"}, {{3, 1}, {4, 1}});
+}
+
 TEST(SameBits, FibresWithoutPairForces) {
   expectSameFiles(
       "-scene fibre -fibre_segments 40 -fibre_bend 2 -fibre_twist 1 -pair none -ts_max_steps 500" +

@@ -9,6 +9,7 @@
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
 #include "nanoweft/motion/boundary.hpp"
+#include "nanoweft/motion/fire.hpp"
 #include "nanoweft/motion/verlet.hpp"
 #include "nanoweft/record/energies.hpp"
 #include "nanoweft/record/snapshots.hpp"
@@ -36,15 +37,20 @@ class Simulation {
   static constexpr std::int64_t segmentsPerThread = 1500;
   /// Steps between looks at the energy balance.
   static constexpr long energyCheckInterval = 100;
+  /// Steps between looks at the forces that nothing balances.
+  static constexpr long balanceCheckInterval = 10;
   /// What ranks tell each other in each step, as bits.
   enum Notice { stale = 1, unstable = 2, stop = 4, progress = 8, broke = 16 };
 
+  /// Throws InputError when something keeps moving.
+  void requireRest() const;
   void checkOutputs() const;
   void build();
   void perturb();
   void refuseOverlap() const;
   void begin();
   void step();
+  void checkBalance();
   int agreeOn(const DriftReport& drift);
   void record();
   /// No step will be made: only the forces and energies of the start are wanted.
@@ -57,6 +63,7 @@ class Simulation {
   void writeCheckpoint(const std::string& file);
   std::string lastGoodCheckpoint() const;
 
+  double defaultStep();
   void chooseStep();
   /// Estimates the stable step anew and warns once when the run's is beyond it.
   void followLimit();
@@ -87,16 +94,18 @@ class Simulation {
   std::unique_ptr<Domain> domain_;
   std::unique_ptr<ForceField> forces_;
   std::optional<Verlet> verlet_;
+  std::optional<Fire> fire_;
   std::optional<Snapshots> snapshots_;
 
   EnergyAccounts accounts_;
   ForceOutcome outcome_;
   std::optional<Energies> energies_;  ///< of the present step, when computed
   std::vector<std::int64_t> pendingBreaks_;
-  bool releasedPairs_ = false, stopAsked_ = false, converged_ = false;
+  bool releasedPairs_ = false, stopAsked_ = false, converged_ = false, balanced_ = false;
   double lastElastic_ = -1;  ///< at the last check of convergence
   std::int64_t lastRecorded_ = -1, lastCheckpoint_ = -1, firstStep_ = 0;
   double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0;
+  std::optional<double> defaultStep_;  ///< when the state chose it
   bool limitWarned_ = false;
   Energies first_;        ///< of the first state
   double available_ = 0;  ///< energy that there was to turn into motion, at its most

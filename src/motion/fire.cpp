@@ -1,0 +1,129 @@
+#include "nanoweft/motion/fire.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "nanoweft/motion/residual.hpp"
+
+namespace nanoweft {
+
+namespace {
+// The parameters of Bitzek et al.; the least step is that of Guenole et al., Comput. Mater. Sci.
+// 175, 109584 (2020).
+constexpr double firstMixing = 0.1, mixingFactor = 0.99, growth = 1.1, shrink = 0.5;
+constexpr std::int64_t patience = 5;                  // steps downhill before the step grows
+constexpr double firstStep = 0.25, leastStep = 0.02;  // of the longest
+
+}  // namespace
+
+Fire::Fire(const Fibre& fibre, double longest)
+    : dt_(firstStep * longest), longest_(longest), mixing_(firstMixing) {
+  // Exact sums reach from 1e-24 to 5e5 of a unit's scale: here from forces of 1e-12 to 70 of
+  // that which doubles a bond's length.
+  const double force = fibre.bond.stretch * fibre.length, mass = fibre.mass;
+  const double forceScale = 0.01 * force * force / mass, speedScale = 0.01 * force * fibre.length;
+  forceUnit_ = SumUnit(forceScale);
+  speedUnit_ = SumUnit(speedScale);
+  powerUnit_ = SumUnit(std::sqrt(forceScale * speedScale));
+}
+
+void Fire::limit(double dt) {
+  longest_ = std::min(longest_, dt);
+  dt_ = std::min(dt_, longest_);
+}
+
+void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundaries,
+                 EnergyAccounts& accounts) {
+  const double mass = forces.fibre().mass, inertia = forces.fibre().inertia;
+  const double perMass = 1.0 / mass, perInertia = 1.0 / inertia;
+  const auto& shares = forces.shares();
+  const int threads = static_cast<int>(shares.size());
+
+  ExactSum sums[3];
+#pragma omp parallel num_threads(threads)
+  {
+    const Share share = shares[static_cast<std::size_t>(omp_get_thread_num())];
+    ExactSum mine[3];
+    for (std::int32_t i = share.begin; i < share.end; ++i) {
+      const Residual r = residualOf(s, boundaries, i);
+      const double* v = s.velocity + 3 * i;
+      const double* w = s.angular + 3 * i;
+      double power = 0, v2 = 0, w2 = 0, f2 = 0, t2 = 0;
+      for (int c = 0; c < 3; ++c) {
+        power += r.force[c] * v[c] + r.torque[c] * w[c];
+        v2 += v[c] * v[c];
+        w2 += w[c] * w[c];
+        f2 += r.force[c] * r.force[c];
+        t2 += r.torque[c] * r.torque[c];
+      }
+      mine[0].add(power, powerUnit_);
+      mine[1].add(mass * v2 + inertia * w2, speedUnit_);
+      mine[2].add(perMass * f2 + perInertia * t2, forceUnit_);
+    }
+#pragma omp critical
+    for (int k = 0; k < 3; ++k) sums[k].merge(mine[k]);
+  }
+  ExactSum::reduce(sums, 3, s.comm());
+  const double power = sums[0].value(powerUnit_), speed2 = sums[1].value(speedUnit_),
+               force2 = sums[2].value(forceUnit_);
+
+  double keep = 0, push = 0;
+  if (power >= 0) {
+    keep = 1.0 - mixing_;
+    push = force2 > 0 ? mixing_ * std::sqrt(speed2 / force2) : 0.0;
+    if (++downhill_ > patience) {
+      dt_ = std::min(growth * dt_, longest_);
+      mixing_ *= mixingFactor;
+    }
+  } else {  // also when a sum overflowed
+    dt_ = std::max(shrink * dt_, leastStep * longest_);
+    mixing_ = firstMixing;
+    downhill_ = 0;
+  }
+
+  const SumUnit& unit = forces.energyUnit();
+#pragma omp parallel num_threads(threads)
+  {
+    const Share share = shares[static_cast<std::size_t>(omp_get_thread_num())];
+    ExactSum removed;
+    for (std::int32_t i = share.begin; i < share.end; ++i) {
+      const Residual r = residualOf(s, boundaries, i);
+      double* v = s.velocity + 3 * i;
+      double* w = s.angular + 3 * i;
+      double v2 = 0, w2 = 0;  // what the squares lose
+      for (int c = 0; c < 3; ++c) {
+        const double newV = keep * v[c] + push * perMass * r.force[c];
+        const double newW = keep * w[c] + push * perInertia * r.torque[c];
+        v2 += v[c] * v[c] - newV * newV;
+        w2 += w[c] * w[c] - newW * newW;
+        v[c] = newV;
+        w[c] = newW;
+      }
+      removed.add(0.5 * (mass * v2 + inertia * w2), unit);
+    }
+#pragma omp critical
+    accounts.damped.merge(removed);
+  }
+}
+
+void Fire::save(RunRecord& record) const {
+  record.reals["fire"] = {dt_, longest_, mixing_};
+  record.integers["fire_downhill"] = {downhill_};
+}
+
+bool Fire::restore(const RunRecord& record) {
+  const auto reals = record.reals.find("fire");
+  const auto count = record.integers.find("fire_downhill");
+  if (reals == record.reals.end() || reals->second.size() != 3 || count == record.integers.end() ||
+      count->second.size() != 1)
+    return false;
+  dt_ = reals->second[0];
+  longest_ = reals->second[1];
+  mixing_ = reals->second[2];
+  downhill_ = count->second[0];
+  return true;
+}
+
+}  // namespace nanoweft
