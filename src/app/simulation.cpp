@@ -297,12 +297,20 @@ void Simulation::step() {
   ForceRequest request;
   request.energies = monitored || relaxCheck || checkpoint || (notices & (progress | stop)) ||
                      due(energyCheckInterval) || atEnd();
+  request.complete = false;
   outcome_ = forces_->evaluate(*state_, domain_->halo(), request);
   accounts_.broken.merge(outcome_.released);
   pendingBreaks_.insert(pendingBreaks_.end(), outcome_.broken.begin(), outcome_.broken.end());
   {
     const LogScope log(kickEvent_);
-    verlet_->kick(*state_, *forces_, boundaries_, accounts_);
+    const bool looksAt = request.energies || fire_ || state_->viscous ||
+                         (snapshots_ && due(settings_.snapshotInterval)) ||
+                         (settings_.limitInterval > 0 && due(settings_.limitInterval)) ||
+                         (settings_.relaxForce > 0 && due(balanceCheckInterval));
+    if (looksAt)
+      verlet_->kick(*state_, *forces_, boundaries_, accounts_);
+    else
+      verlet_->oweKick();
     if (fire_) {
       fire_->steer(*state_, *forces_, boundaries_, accounts_);
       verlet_.emplace(fire_->dt(), 0.0);

@@ -1,6 +1,7 @@
 #include "nanoweft/force/bond_list.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/force/gather.hpp"
@@ -39,17 +40,65 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
   }
 }
 
+namespace {
+
+/// Adds bonds' forces and torques to a thread's segments. The second segment of a bond is mostly
+/// the first of the next: its sum is complete then and is written once. A segment has two bonds at
+/// most, and a + b = b + a: the order of the bonds does not matter.
+class BondScatter {
+ public:
+  BondScatter(State& state, Share share) : s_(state), share_(share) {}
+  ~BondScatter() { flush(); }
+
+  /// Rows: force, torque, two unused.
+  NW_INLINE void add(std::int32_t i, std::int32_t j, const Reals& onI, const Reals& onJ) {
+    if (i == last_) {
+      // Zero is added so that no sum is -0 here and 0 where it is added up in memory.
+      if (mine(i)) put(i, (kept_ + onI) + 0.0);
+    } else {
+      flush();
+      if (mine(i)) addTo(i, onI);
+    }
+    last_ = j;
+    kept_ = onJ;
+  }
+
+ private:
+  bool mine(std::int32_t i) const { return i >= share_.begin && i < share_.end; }
+  void flush() {
+    if (last_ >= 0 && mine(last_)) addTo(last_, kept_);
+  }
+  NW_INLINE void put(std::int32_t i, const Reals& row) {
+    std::memcpy(s_.force + 3 * i, &row, 24);
+    std::memcpy(s_.torque + 3 * i, reinterpret_cast<const double*>(&row) + 3, 24);
+  }
+  NW_INLINE void addTo(std::int32_t i, const Reals& row) {
+    for (int c = 0; c < 3; ++c) {
+      s_.force[3 * i + c] += row[c];
+      s_.torque[3 * i + c] += row[3 + c];
+    }
+  }
+
+  State& s_;
+  Share share_;
+  std::int32_t last_ = -1;
+  Reals kept_{};
+};
+
+}  // namespace
+
 void BondList::add(State& state, const BondParameters& parameters, const MinimumImage& nearest,
                    int thread, Share share, bool ghosts, bool energies, bool mayBreak,
                    BondTally& tally) {
-  if (!ghosts)
-    for (std::size_t k = 3 * static_cast<std::size_t>(share.begin);
-         k < 3 * static_cast<std::size_t>(share.end); ++k)
-      state.force[k] = state.torque[k] = 0.0;
+  if (!ghosts) {
+    std::fill(state.force + 3 * share.begin, state.force + 3 * share.end, 0.0);
+    std::fill(state.torque + 3 * share.begin, state.torque + 3 * share.end, 0.0);
+  }
   auto& threadBonds = threads_[static_cast<std::size_t>(thread)];
   auto& bonds = ghosts ? threadBonds.outer : threadBonds.inner;
   auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };
   bool someBroke = false;
+  BondScatter scatter(state, share);
   for (std::size_t first = 0; first < bonds.size(); first += laneCount) {
     const int used = static_cast<int>(std::min<std::size_t>(laneCount, bonds.size() - first));
     std::int32_t i[laneCount], j[laneCount];
@@ -63,15 +112,15 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
     const Vec3<Lanes> separation =
         nearest(gatherPositions(state.pose, j) - gatherPositions(state.pose, i));
     const BondForce<Lanes> bond = bondForce(parameters, separation, qi, qj);
-    alignas(64) double value[9][laneCount];
-    auto store = [&](int row, const Vec3<Lanes>& v) {
-      v.x.copy_to(value[row], stdx::element_aligned);
-      v.y.copy_to(value[row + 1], stdx::element_aligned);
-      v.z.copy_to(value[row + 2], stdx::element_aligned);
+    Row onI[laneCount], onJ[laneCount];
+    auto rows = [](const Vec3<Lanes>& force, const Vec3<Lanes>& torque, Row* row) {
+      const Lanes v[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
+      LaneIntegers column[6];
+      std::memcpy(column, v, sizeof column);
+      toRows<6>(column, row);
     };
-    store(0, bond.force);
-    store(3, bond.torqueI);
-    store(6, bond.torqueJ);
+    rows(bond.force, bond.torqueI, onI);
+    rows(-bond.force, bond.torqueJ, onJ);
     BondEnergy<Lanes> energy;
     if (energies) energy = bondEnergy(parameters, separation, qi, qj);
     for (int k = 0; k < used; ++k) {
@@ -94,17 +143,7 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
           continue;
         }
       }
-      // A segment has two bonds at most, and a + b = b + a: the order of the bonds does not matter.
-      if (mine(i[k]))
-        for (int c = 0; c < 3; ++c) {
-          state.force[3 * i[k] + c] += value[c][k];
-          state.torque[3 * i[k] + c] += value[3 + c][k];
-        }
-      if (mine(j[k]))
-        for (int c = 0; c < 3; ++c) {
-          state.force[3 * j[k] + c] -= value[c][k];
-          state.torque[3 * j[k] + c] += value[6 + c][k];
-        }
+      scatter.add(i[k], j[k], __builtin_bit_cast(Reals, onI[k]), __builtin_bit_cast(Reals, onJ[k]));
       if (energies && mine(i[k])) {
         tally.stretch.add(energy.stretch[lane], tally.energyUnit);
         tally.shear.add(energy.shear[lane], tally.energyUnit);

@@ -148,17 +148,16 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     {
       const auto t = static_cast<std::size_t>(omp_get_thread_num());
       pair->add(pairJob(t, pairs_.threads()[t].outer), request.energies, pairTallies[t]);
-      const double forceUnit = pair->forceUnit(), torqueUnit = pair->torqueUnit();
-      for (auto i = static_cast<std::size_t>(shares_[t].begin);
-           i < static_cast<std::size_t>(shares_[t].end); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-          state.force[3 * i + c] += forceUnit * static_cast<double>(sums_[i].at[c]);
-          state.torque[3 * i + c] += torqueUnit * static_cast<double>(sums_[i].at[3 + c]);
-          if (!viscousOn) continue;
-          state.viscous[6 * i + c] = forceUnit * static_cast<double>(viscousSums_[6 * i + c]);
-          state.viscous[6 * i + 3 + c] =
-              torqueUnit * static_cast<double>(viscousSums_[6 * i + 3 + c]);
-        }
+      if (request.complete) complete(state, shares_[t].begin, shares_[t].end);
+      if (viscousOn) {
+        const double forceUnit = pair->forceUnit(), torqueUnit = pair->torqueUnit();
+        for (std::int32_t i = shares_[t].begin; i < shares_[t].end; ++i)
+          for (int c = 0; c < 3; ++c) {
+            const auto k = static_cast<std::size_t>(6 * i + c);
+            state.viscous[k] = forceUnit * static_cast<double>(viscousSums_[k]);
+            state.viscous[k + 3] = torqueUnit * static_cast<double>(viscousSums_[k + 3]);
+          }
+      }
     }
     std::int64_t pointPairs = 0;
     for (const PairTally& t : pairTallies) {
@@ -182,6 +181,18 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
                           bondTallies[t].broken.end());
   }
   return outcome;
+}
+
+void ForceField::complete(State& state, std::int32_t begin, std::int32_t end) const {
+  if (!settings_.pair) return;
+  const double forceUnit = settings_.pair->forceUnit(), torqueUnit = settings_.pair->torqueUnit();
+  for (std::int32_t i = begin; i < end; ++i) {
+    const ForceSum& sum = sums_[static_cast<std::size_t>(i)];
+    for (int c = 0; c < 3; ++c) {
+      state.force[3 * i + c] += forceUnit * static_cast<double>(sum.at[c]);
+      state.torque[3 * i + c] += torqueUnit * static_cast<double>(sum.at[3 + c]);
+    }
+  }
 }
 
 ClosestPair findClosestPair(const State& state, const ForceField& forces) {

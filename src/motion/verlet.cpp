@@ -2,7 +2,9 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 namespace nanoweft {
@@ -33,11 +35,25 @@ std::vector<Action> actionsAt(const Boundaries& boundaries, double forceTime, do
 }
 
 /// |size| with the sign of x, zero for x = 0; without a branch, since signs are unpredictable.
-double signedLike(double size, double x) {
-  return x == 0 ? 0.0 : std::copysign(size, x);
+template <class V>
+NW_INLINE V signedLike(const V& size, const V& x) {
+  const V zero(0.0);
+  return select(x > zero, size, select(x < zero, V(-size), zero));
 }
 
-/// Half kicks of a run of segments.
+/// Kicks a component of the velocity; returns the power that damping takes out.
+template <class V>
+NW_INLINE V damp(V& v, const V& force, const V& viscous, double factor, double damping) {
+  using std::abs;
+  const V sum = force + viscous;
+  const V drag = signedLike(V(damping * abs(sum)), v);
+  const V after = v + factor * (sum - drag);
+  const V mean = 0.5 * (v + after);
+  v = after;
+  return (drag - viscous) * mean;
+}
+
+/// Half kicks, of whole SIMD groups where nothing but the forces acts.
 class Kicker {
  public:
   Kicker(State& state, const ForceField& forces, const Boundaries& boundaries,
@@ -53,45 +69,59 @@ class Kicker {
         inertia_(forces.fibre().inertia),
         unit_(forces.energyUnit()) {}
 
-  void operator()(int i) {
-    const auto k = static_cast<std::size_t>(3 * i);
-    if (s_.group[i] & mask_) {
-      bounded(i);
-    } else if (damping_ > 0 || s_.viscous) {
-      double damped = 0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double fv = s_.viscous ? s_.viscous[6 * i + static_cast<int>(c)] : 0.0;
-        const double tv = s_.viscous ? s_.viscous[6 * i + 3 + static_cast<int>(c)] : 0.0;
-        damped += damp(s_.velocity[k + c], s_.force[k + c], fv, perMass_);
-        damped += damp(s_.angular[k + c], s_.torque[k + c], tv, perInertia_);
-      }
-      damped_.add(damped * h_, unit_);
+  /// Segments begin <= i < end.
+  void operator()(std::int32_t begin, std::int32_t end) {
+    if (end - begin == laneCount && !s_.viscous && free(begin)) {
+      group(s_.velocity + 3 * begin, s_.force + 3 * begin, perMass_);
+      group(s_.angular + 3 * begin, s_.torque + 3 * begin, perInertia_);
     } else {
-      for (std::size_t c = 0; c < 3; ++c) {
-        s_.velocity[k + c] += perMass_ * s_.force[k + c];
-        s_.angular[k + c] += perInertia_ * s_.torque[k + c];
-      }
+      for (std::int32_t i = begin; i < end; ++i) one(i);
     }
   }
 
   void close(EnergyAccounts& accounts) const {
+    accounts.damped.merge(dampedLanes_);
     accounts.damped.merge(damped_);
     accounts.external.merge(external_);
   }
 
  private:
-  /// Kicks one component; returns the power that damping takes out.
-  double damp(double& v, double force, double viscous, double factor) const {
-    const double sum = force + viscous;
-    const double drag = signedLike(damping_ * std::abs(sum), v);
-    const double after = v + factor * (sum - drag);
-    const double mean = 0.5 * (v + after);
-    v = after;
-    return (drag - viscous) * mean;
+  bool free(std::int32_t begin) const {
+    std::int32_t all = 0;
+    for (int k = 0; k < laneCount; ++k) all |= s_.group[begin + k];
+    return !(all & mask_);
   }
 
-  void bounded(int i) {
-    double damped = 0, external = 0;
+  /// The components of a group of segments are contiguous: no lane needs to know whose it is.
+  NW_INLINE void group(double* velocity, const double* force, double factor) {
+    for (int k = 0; k < 3 * laneCount; k += laneCount) {
+      Lanes v(velocity + k, stdx::element_aligned);
+      const Lanes f(force + k, stdx::element_aligned);
+      if (damping_ > 0)
+        dampedLanes_.add(h_ * damp(v, f, Lanes(0.0), factor, damping_), unit_);
+      else
+        v += factor * f;
+      v.copy_to(velocity + k, stdx::element_aligned);
+    }
+  }
+
+  void one(std::int32_t i) {
+    if (s_.group[i] & mask_) return bounded(i);
+    for (int c = 0; c < 3; ++c) {
+      component(s_.velocity[3 * i + c], s_.force[3 * i + c], viscous(i, c), perMass_);
+      component(s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), perInertia_);
+    }
+  }
+  double viscous(std::int32_t i, int c) const { return s_.viscous ? s_.viscous[6 * i + c] : 0.0; }
+
+  void component(double& v, double force, double viscous, double factor) {
+    if (damping_ > 0 || s_.viscous)
+      damped_.add(h_ * damp(v, force, viscous, factor, damping_), unit_);
+    else
+      v += factor * force;
+  }
+
+  void bounded(std::int32_t i) {
     for (int c = 0; c < 3; ++c) {
       double load = 0, couple = 0, held = 0;
       bool fixed = false, still = false;
@@ -102,31 +132,26 @@ class Kicker {
         still = still || a.fixRotation;
         if (a.fix[static_cast<std::size_t>(c)]) fixed = true, held = a.velocity[c];
       }
-      const double fv = s_.viscous ? s_.viscous[6 * i + c] : 0.0;
-      const double tv = s_.viscous ? s_.viscous[6 * i + 3 + c] : 0.0;
-      component(s_.velocity[3 * i + c], s_.force[3 * i + c], fv, load, fixed, held, perMass_, mass_,
-                damped, external);
-      component(s_.angular[3 * i + c], s_.torque[3 * i + c], tv, couple, still, 0.0, perInertia_,
-                inertia_, damped, external);
+      actedOn(s_.velocity[3 * i + c], s_.force[3 * i + c], viscous(i, c), load, fixed, held,
+              perMass_, mass_);
+      actedOn(s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), couple, still, 0.0,
+              perInertia_, inertia_);
     }
-    damped_.add(damped * h_, unit_);
-    external_.add(external * h_, unit_);
   }
 
-  /// Adds the powers that damping takes out and the boundary brings in.
-  void component(double& v, double force, double viscous, double load, bool fixed, double held,
-                 double factor, double inertia, double& damped, double& external) const {
+  void actedOn(double& v, double force, double viscous, double load, bool fixed, double held,
+               double factor, double inertia) {
     if (fixed) {
       // The holder brings in what the held body gains beyond the work of the forces on it.
       const double mean = 0.5 * (v + held);
-      external += inertia * (held - v) / h_ * mean - (force + viscous) * mean;
-      damped -= viscous * mean;
+      external_.add((inertia * (held - v) / h_ * mean - (force + viscous) * mean) * h_, unit_);
+      damped_.add(-viscous * mean * h_, unit_);
       v = held;
       return;
     }
     const double before = v;
-    damped += damp(v, force + load, viscous, factor);
-    external += load * 0.5 * (before + v);
+    damped_.add(damp(v, force + load, viscous, factor, damping_) * h_, unit_);
+    external_.add(load * 0.5 * (before + v) * h_, unit_);
   }
 
   State& s_;
@@ -134,45 +159,127 @@ class Kicker {
   std::int32_t mask_;
   double damping_, h_, perMass_, perInertia_, mass_, inertia_;
   SumUnit unit_;
+  ExactLanes dampedLanes_;
   ExactSum damped_, external_;
 };
 
+/// Moves segments by a whole step and notices what that does.
+class Drifter {
+ public:
+  Drifter(State& state, const ForceField& forces, double dt)
+      : s_(state),
+        forces_(forces),
+        dt_(dt),
+        tracks_(forces.tracksMotion()),
+        wraps_(state.box.periodic[0] || state.box.periodic[1] || state.box.periodic[2]) {
+    // Half a segment in a step is far beyond any stable motion.
+    const double farthest = 0.5 * forces.fibre().length / dt_;
+    fastest2_ = farthest * farthest;
+  }
+
+  /// Segments begin <= i < end.
+  void operator()(std::int32_t begin, std::int32_t end) {
+    // Rows of three doubles are read four at a time.
+    if (end - begin == laneCount && end < s_.owned())
+      group(begin);
+    else
+      for (std::int32_t i = begin; i < end; ++i) one(i);
+  }
+  const DriftReport& report() const { return report_; }
+
+ private:
+  void one(std::int32_t i) {
+    double* x = s_.pose + 8 * i;
+    const double* v = s_.velocity + 3 * i;
+    const double* w = s_.angular + 3 * i;
+    for (int c = 0; c < 3; ++c) x[c] += dt_ * v[c];
+    if (wraps_) s_.box.wrap(x, s_.image + 3 * i);
+    s_.setOrientation(
+        i, renormalised(rotation({dt_ * w[0], dt_ * w[1], dt_ * w[2]}) * s_.orientation(i)));
+    if (tracks_ && forces_.moved(x, i)) report_.stale = true;
+    const double turn2 = dt_ * dt_ * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+    // Written so that a NaN counts as unstable.
+    if (!(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < fastest2_ && turn2 < 1.0))
+      report_.unstable = true;
+  }
+
+  NW_INLINE static Vec3<Lanes> triples(const double* from) {
+    const auto c = loadRows<3>(from, [](std::size_t lane) { return 3 * lane; });
+    return {c[0], c[1], c[2]};
+  }
+
+  void group(std::int32_t begin) {
+    const Vec3<Lanes> v = triples(s_.velocity + 3 * begin);
+    const Lanes dt(dt_);
+    const Vec3<Lanes> turn = dt * triples(s_.angular + 3 * begin);
+    // Slower than the limit of small rotations, and NaN goes the long way.
+    if (!stdx::all_of(0.25 * dot(turn, turn) < Lanes(smallHalfAngle2) &&
+                      dot(v, v) < Lanes(fastest2_))) {
+      for (int k = 0; k < laneCount; ++k) one(begin + k);
+      return;
+    }
+    double* pose = s_.pose + 8 * begin;
+    const auto c = loadRows<8>(pose, [](std::size_t lane) { return 8 * lane; });
+    const Vec3<Lanes> x{c[0] + dt * v.x, c[1] + dt * v.y, c[2] + dt * v.z};
+    const Quat<Lanes> q = renormalised(smallRotation(turn) * Quat<Lanes>{c[4], c[5], c[6], c[7]});
+    const Lanes moved[8] = {x.x, x.y, x.z, c[3], q.w, q.x, q.y, q.z};
+    LaneIntegers column[8];
+    std::memcpy(column, moved, sizeof column);
+    Row row[laneCount];
+    toRows<8>(column, row);
+    std::memcpy(pose, row, sizeof row);
+    if (wraps_)
+      for (int k = 0; k < laneCount; ++k) s_.box.wrap(pose + 8 * k, s_.image + 3 * (begin + k));
+    if (!tracks_ || report_.stale) return;
+    for (int k = 0; k < laneCount; ++k)
+      if (forces_.moved(pose + 8 * k, begin + k)) report_.stale = true;
+  }
+
+  State& s_;
+  const ForceField& forces_;
+  double dt_, fastest2_;
+  bool tracks_, wraps_;
+  DriftReport report_;
+};
+
+/// Calls `work(begin, end)` for SIMD groups of segments, on every thread for its own.
+template <class Work>
+void inGroups(Share share, const Work& work) {
+  for (std::int32_t begin = share.begin; begin < share.end; begin += laneCount)
+    work(begin, std::min(begin + laneCount, share.end));
+}
+
 }  // namespace
 
-DriftReport Verlet::kickAndDrift(State& state, const ForceField& forces,
-                                 const Boundaries& boundaries, EnergyAccounts& accounts) const {
+DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundaries& boundaries,
+                                 EnergyAccounts& accounts) {
   const double h = 0.5 * dt_;
+  const auto actionsThen = actionsAt(boundaries, state.time, state.time);
   const auto actions = actionsAt(boundaries, state.time, state.time + h);
-  // Half a segment in a step is far beyond any stable motion.
-  const double farthest = 0.5 * forces.fibre().length / dt_;
-  const double fastest2 = farthest * farthest;
-  const bool tracks = forces.tracksMotion();
   const auto& shares = forces.shares();
   std::vector<DriftReport> reports(shares.size());
 #pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
-    Kicker kick(state, forces, boundaries, actions, damping_, h);
-    DriftReport report;
-    for (std::int32_t i = shares[t].begin; i < shares[t].end; ++i) {
-      kick(i);
-      double* x = state.pose + 8 * i;
-      const double* v = state.velocity + 3 * i;
-      const double* w = state.angular + 3 * i;
-      for (int c = 0; c < 3; ++c) x[c] += dt_ * v[c];
-      state.box.wrap(x, state.image + 3 * i);
-      state.setOrientation(
-          i, renormalised(rotation({dt_ * w[0], dt_ * w[1], dt_ * w[2]}) * state.orientation(i)));
-      if (tracks && forces.moved(x, i)) report.stale = true;
-      const double turn2 = dt_ * dt_ * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-      // Written so that a NaN counts as unstable.
-      if (!(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < fastest2 && turn2 < 1.0))
-        report.unstable = true;
-    }
-    reports[t] = report;
+    Kicker second(state, forces, boundaries, actionsThen, damping_, h);
+    Kicker first(state, forces, boundaries, actions, damping_, h);
+    Drifter drift(state, forces, dt_);
+    inGroups(shares[t], [&](std::int32_t begin, std::int32_t end) {
+      if (owed_) {
+        forces.complete(state, begin, end);
+        second(begin, end);
+      }
+      first(begin, end);
+      drift(begin, end);
+    });
+    reports[t] = drift.report();
 #pragma omp critical
-    kick.close(accounts);
+    {
+      second.close(accounts);
+      first.close(accounts);
+    }
   }
+  owed_ = false;
   state.time += dt_;
   ++state.step;
   DriftReport all;
@@ -183,7 +290,7 @@ DriftReport Verlet::kickAndDrift(State& state, const ForceField& forces,
   return all;
 }
 
-void Verlet::kick(State& state, const ForceField& forces, const Boundaries& boundaries,
+void Verlet::kick(State& state, ForceField& forces, const Boundaries& boundaries,
                   EnergyAccounts& accounts) const {
   const auto actions = actionsAt(boundaries, state.time, state.time);
   const auto& shares = forces.shares();
@@ -191,7 +298,10 @@ void Verlet::kick(State& state, const ForceField& forces, const Boundaries& boun
   {
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     Kicker kick(state, forces, boundaries, actions, damping_, 0.5 * dt_);
-    for (std::int32_t i = shares[t].begin; i < shares[t].end; ++i) kick(i);
+    inGroups(shares[t], [&](std::int32_t begin, std::int32_t end) {
+      forces.complete(state, begin, end);
+      kick(begin, end);
+    });
 #pragma omp critical
     kick.close(accounts);
   }

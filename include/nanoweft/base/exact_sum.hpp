@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "nanoweft/base/simd.hpp"
+
 namespace nanoweft {
 
 /// The unit of exact sums: a power of two, so that scaling by it is exact.
@@ -21,7 +23,7 @@ struct SumUnit {
       : unit(std::ldexp(1.0, std::ilogb(scale) - 33)), inverse(1.0 / unit) {}
 };
 
-/// Sum of doubles on the grid `unit` * 2^-40, held as two integers: terms below 2^52 units (5e5
+/// Sum of doubles on the grid `unit` * 2^-40, held as two integers: terms below 2^50 units (1e5
 /// times the scale), sums below 2^62.
 ///
 /// A term that is not a number or too large for the grid poisons the sum: value() is then NaN.
@@ -29,7 +31,7 @@ class ExactSum {
  public:
   void add(double term, const SumUnit& unit) {
     const double t = term * unit.inverse;
-    if (!(std::abs(t) < 0x1p52)) {
+    if (!(std::abs(t) < 0x1p50)) {
       poisoned_ = 1;
       return;
     }
@@ -38,6 +40,9 @@ class ExactSum {
     low_ += static_cast<std::int64_t>(std::nearbyint((t - whole) * 0x1p40));
     carry();
   }
+
+  /// Adds a term of each lane: what add() of each would, in fewer operations.
+  void merge(const class ExactLanes& lanes);
 
   void merge(const ExactSum& other) {
     high_ += other.high_;
@@ -70,5 +75,34 @@ class ExactSum {
 
   std::int64_t high_ = 0, low_ = 0, poisoned_ = 0;
 };
+
+/// Exact sums, one a lane. The grid of add() and its limits are those of ExactSum.
+class ExactLanes {
+ public:
+  NW_INLINE void add(const Lanes& term, const SumUnit& unit) {
+    // 1.5 * 2^52 added rounds to an integer; what is left of the term goes to the low part.
+    const Lanes magic(0x1.8p52), t = term * unit.inverse;
+    poisoned_ = poisoned_ || !(abs(t) < Lanes(0x1p50));
+    const Lanes whole = (t + magic) - magic;
+    high_ += nearestIntegers(whole);
+    low_ += nearestIntegers((t - whole) * 0x1p40);
+    high_ += low_ >> 40;
+    low_ &= (std::int64_t{1} << 40) - 1;
+  }
+
+ private:
+  friend class ExactSum;
+  LaneIntegers high_{}, low_{};
+  Lanes::mask_type poisoned_{false};
+};
+
+inline void ExactSum::merge(const ExactLanes& lanes) {
+  for (int k = 0; k < laneCount; ++k) {
+    high_ += lanes.high_[k];
+    low_ += lanes.low_[k];
+    carry();
+  }
+  poisoned_ |= anyOf(lanes.poisoned_);
+}
 
 }  // namespace nanoweft

@@ -235,6 +235,52 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const LaneInd
 }
 
 typedef std::int64_t LaneIntegers __attribute__((vector_size(sizeof(Lanes))));
+/// Eight 64-bit values of one lane: a row.
+typedef std::int64_t Row __attribute__((vector_size(64)));
+typedef double Reals __attribute__((vector_size(64)));
+
+/// The inverse of loadRows: up to eight columns to a row a lane, the missing ones zero.
+template <int columns>
+NW_INLINE void toRows(const LaneIntegers* column, Row* row) {
+  if constexpr (laneCount == 8) {
+    // Couples of columns of the even and the odd lanes, then the quarters to their lanes.
+    auto at = [column](int k) { return k < columns ? column[k] : Row{}; };
+    auto even = [&](int k) {
+      return __builtin_shufflevector(at(k), at(k + 1), 0, 8, 2, 10, 4, 12, 6, 14);
+    };
+    auto odd = [&](int k) {
+      return __builtin_shufflevector(at(k), at(k + 1), 1, 9, 3, 11, 5, 13, 7, 15);
+    };
+    auto lowHalves = [](Row x, Row y) {
+      return __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11);
+    };
+    auto highHalves = [](Row x, Row y) {
+      return __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15);
+    };
+    auto evenQuarters = [](Row x, Row y) {
+      return __builtin_shufflevector(x, y, 0, 1, 4, 5, 8, 9, 12, 13);
+    };
+    auto oddQuarters = [](Row x, Row y) {
+      return __builtin_shufflevector(x, y, 2, 3, 6, 7, 10, 11, 14, 15);
+    };
+    auto spread = [&](int first, Row a, Row b, Row c, Row d) {
+      const Row ab = lowHalves(a, b), cd = lowHalves(c, d);
+      row[first] = evenQuarters(ab, cd);
+      row[first + 2] = oddQuarters(ab, cd);
+      const Row highAb = highHalves(a, b), highCd = highHalves(c, d);
+      row[first + 4] = evenQuarters(highAb, highCd);
+      row[first + 6] = oddQuarters(highAb, highCd);
+    };
+    spread(0, even(0), even(2), even(4), even(6));
+    spread(1, odd(0), odd(2), odd(4), odd(6));
+  } else {
+    for (int k = 0; k < laneCount; ++k) {
+      Row r{};
+      for (int c = 0; c < columns; ++c) r[c] = column[c][k];
+      row[k] = r;
+    }
+  }
+}
 
 /// Nearest integers of numbers below 2^62.
 NW_INLINE LaneIntegers nearestIntegers(const Lanes& x) {

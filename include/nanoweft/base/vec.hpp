@@ -82,28 +82,37 @@ NW_INLINE Vec3<V> axis3(const Quat<V>& q) {
           1.0 - 2.0 * (q.x * q.x + q.y * q.y)};
 }
 
-/// Rotation by the vector `a` (axis times angle in radians).
-inline Quatd rotation(const Vec3d& a) {
-  const double s = 0.25 * dot(a, a);  // square of the half angle
-  double cosine, sinc;                // cos(h), sin(h)/h with h the half angle
-  if (s < 0.01) {
-    // The Taylor remainders are below 1e-17 here; a time step turns a segment by far less.
-    cosine =
-        1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0 * (1.0 - s / 56.0 * (1.0 - s / 90.0))));
-    sinc =
-        1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0 * (1.0 - s / 72.0 * (1.0 - s / 110.0))));
-  } else {
-    const double h = std::sqrt(s);
-    cosine = std::cos(h);
-    sinc = std::sin(h) / h;
-  }
-  const double f = 0.5 * sinc;
+/// Below this square of the half angle, 0.2 rad, rotations need no sine. (A time step turns a
+/// segment by far less.)
+inline constexpr double smallHalfAngle2 = 0.01;
+
+/// Rotation by a small vector (axis times angle in radians); the Taylor remainders are below 1e-17.
+template <class V>
+NW_INLINE Quat<V> smallRotation(const Vec3<V>& a) {
+  const V s = 0.25 * dot(a, a);
+  auto series = [&s](double a, double b, double c, double d, double e) {
+    // 1 - s/a (1 - s/b (1 - ...
+    V sum = 1.0 - (1.0 / e) * s;
+    for (double k : {d, c, b, a}) sum = 1.0 - (1.0 / k) * s * sum;
+    return sum;
+  };
+  const V cosine = series(2, 12, 30, 56, 90), sinc = series(6, 20, 42, 72, 110);
+  const V f = 0.5 * sinc;
   return {cosine, f * a.x, f * a.y, f * a.z};
 }
 
+/// Rotation by the vector `a` (axis times angle in radians).
+inline Quatd rotation(const Vec3d& a) {
+  const double s = 0.25 * dot(a, a);  // square of the half angle
+  if (s < smallHalfAngle2) return smallRotation(a);
+  const double h = std::sqrt(s), f = 0.5 * std::sin(h) / h;
+  return {std::cos(h), f * a.x, f * a.y, f * a.z};
+}
+
 /// One Newton step towards unit length: enough when |q| is within 1e-8 of one.
-inline Quatd renormalised(const Quatd& q) {
-  const double f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+template <class V>
+NW_INLINE Quat<V> renormalised(const Quat<V>& q) {
+  const V f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   return {f * q.w, f * q.x, f * q.y, f * q.z};
 }
 

@@ -22,7 +22,8 @@ struct ForceOutcome {
 struct ForceRequest {
   bool energies = false;
   bool mayBreak = true;
-  bool viscous = true;  ///< false: leave State::viscous as it is
+  bool viscous = true;   ///< false: leave State::viscous as it is
+  bool complete = true;  ///< false: pair forces are left to ForceField::complete
 };
 
 class ForceField {
@@ -45,6 +46,9 @@ class ForceField {
 
   /// Sets State::force and torque of the owned segments (and viscous, with viscous damping).
   ForceOutcome evaluate(State& state, Halo& halo, const ForceRequest& request);
+
+  /// Adds the pair forces to those of segments begin <= i < end, which evaluate() left out.
+  void complete(State& state, std::int32_t begin, std::int32_t end) const;
 
   /// Has the segment, now at `x`, moved so far that a pair might be missing from the list?
   bool moved(const double* x, int i) const {

@@ -124,7 +124,7 @@ void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
       pair = resolvePair<Energies, N>(law, units.length, separation, {}, {});
     if (!anyOf(pair.touching)) continue;
     if constexpr (Energies) weight.apply(separation, pair);
-    SumRecord onI[laneCount], onJ[laneCount];
+    Row onI[laneCount], onJ[laneCount];
     auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v, const Lanes& scale) {
       to[0] = nearestIntegers(v.x * scale);
       to[1] = nearestIntegers(v.y * scale);
@@ -134,11 +134,11 @@ void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
     LaneIntegers component[6];
     whole(component, pair.force, perForce);
     if constexpr (N > 1) whole(component + 3, pair.torqueI, perTorque);
-    toRecords<components>(component, onI);
+    toRows<components>(component, onI);
     for (int c = 0; c < 3; ++c) component[c] = -component[c];
     if constexpr (N > 1) whole(component + 3, pair.torqueJ, perTorque);
-    toRecords<components>(component, onJ);
-    for (int k = used; k < laneCount; ++k) onI[k] = onJ[k] = SumRecord{};
+    toRows<components>(component, onJ);
+    for (int k = used; k < laneCount; ++k) onI[k] = onJ[k] = Row{};
     scatter(share, i, j, onI, onJ);
     if constexpr (Energies)
       for (int k = 0; k < used; ++k)
