@@ -177,7 +177,7 @@ TEST(PairTable, AgreesWithItsLaw) {
     const Vdw law(parameters(smooth));
     const PairTable table = law.table();
     double worstForce = 0, worstEnergy = 0;
-    for (double r = 8.0; r < 54.24; r += 0.00737) {
+    for (double r = 5.0; r < 54.24; r += 0.00737) {
       const auto expected = law(r * r), found = table(r * r);
       // Relative to the size of the law's own two terms, whose difference it is.
       const double d = r / 6.78 - 2.0;

@@ -4,7 +4,7 @@
 /// The quantity tabulated is f(s) = u'(r)/r with s = r^2, by polynomials of degree four in equal
 /// parts of octaves; the energy is their integral, u(s) = -1/2 int_s f, so that energy and force
 /// agree to round-off. Where the law joins its branches, the table has a node. Against the law
-/// itself both are within 1e-11 from half the inner join on, and 1e-10 from 0.3 of it; below a
+/// itself both are within 1e-11 from 0.3 of the inner join on, and 1e-9 from 0.2 of it; below a
 /// tenth, where fibres have passed through each other, the force is rounded off to stay finite.
 ///
 /// A row is four doubles, half a cache line, since loading rows is most of a point pair's work. The
