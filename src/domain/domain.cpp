@@ -84,7 +84,8 @@ bool Domain::findPartners(const State& state) {
   for (int i = 0; i < state.local(); ++i) local_.insert(state.row[i], i);
   for (int i = 0; i < state.owned(); ++i) {
     const auto next = state.successor(i), previous = state.predecessor(i);
-    if ((next >= 0 && local_.at(next) < 0) || (previous >= 0 && local_.at(previous) < 0))
+    if ((next >= 0 && localIndex(state, next, i + 1) < 0) ||
+        (previous >= 0 && localIndex(state, previous, i - 1) < 0))
       return false;
   }
   return true;

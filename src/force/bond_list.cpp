@@ -30,10 +30,10 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
     };
     for (std::int32_t i = shares[t].begin; i < shares[t].end; ++i) {
       if (const auto next = state.successor(i); next >= 0 && !(state.bond[i] & nextBroken))
-        push(i, domain.localIndex(next));
+        push(i, domain.localIndex(state, next, i + 1));
       if (const auto before = state.predecessor(i);
           before >= 0 && !(state.bond[i] & previousBroken)) {
-        const std::int32_t j = domain.localIndex(before);
+        const std::int32_t j = domain.localIndex(state, before, i - 1);
         if (j < shares[t].begin || j >= shares[t].end) push(j, i);
       }
     }

@@ -36,10 +36,11 @@ void ForceField::rebuild(State& state, Domain& domain) {
   // Without pairs the halo holds bond partners alone; the cells then only need to find them.
   domain.rebuild(state, listRange(), std::max(listRange(), 2.0 * settings_.fibre.length),
                  rebuilds_ > 0 ? &work_ : nullptr);
-  shares_ = shareSegments(state, domain.grid(), settings_.threads);
+  const CellIndex cells(state, domain.grid(), state.local());
+  shares_ = shareSegments(state, domain.grid(), cells, settings_.threads);
   bonds_.build(state, domain, shares_, settings_.breakage);
   if (settings_.pair) {
-    pairs_.build(state, domain.grid(), shares_, listRange(), settings_.pair->exclude());
+    pairs_.build(state, domain.grid(), cells, shares_, listRange(), settings_.pair->exclude());
     reference_.resize(3 * static_cast<std::size_t>(state.owned()));
     for (int i = 0; i < state.owned(); ++i)
       std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);

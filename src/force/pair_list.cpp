@@ -2,12 +2,63 @@
 
 #include <omp.h>
 
+#include <bit>
 #include <cstdlib>
+#include <limits>
 
 namespace nanoweft {
 
-std::vector<Share> shareSegments(const State& state, const CellGrid& grid, int threads) {
-  const CellIndex cells(state, grid, state.local());
+namespace {
+
+/// The segments around a cell, as vectors to be compared with one segment at a time.
+class Surroundings {
+ public:
+  struct Neighbour {
+    std::int64_t row, start;
+    std::int32_t point;
+  };
+
+  void clear() {
+    list_.clear();
+    for (auto* v : {&x_, &y_, &z_}) v->clear();
+  }
+  void add(const State& state, int j) {
+    list_.push_back({state.row[j], state.row[j] - state.chain[2 * j], j});
+    const Vec3d x = state.position(j);
+    x_.push_back(x.x), y_.push_back(x.y), z_.push_back(x.z);
+  }
+  /// To be called when all are in: fills up whole SIMD groups with segments at infinity.
+  void close() {
+    for (auto* v : {&x_, &y_, &z_})
+      v->insert(v->end(), laneCount, std::numeric_limits<double>::infinity());
+  }
+
+  /// Calls `found(neighbour)` for those within sqrt(range2) of x.
+  template <class Found>
+  void within(const Vec3d& x, double range2, const MinimumImage& nearest,
+              const Found& found) const {
+    const Vec3<Lanes> from{x.x, x.y, x.z};
+    for (std::size_t k = 0; k < list_.size(); k += laneCount) {
+      const Vec3<Lanes> d = nearest(Vec3<Lanes>{load(x_, k), load(y_, k), load(z_, k)} - from);
+      for (unsigned near = lanesBelow(dot(d, d), range2); near; near &= near - 1)
+        found(list_[k + static_cast<std::size_t>(std::countr_zero(near))]);
+    }
+  }
+
+ private:
+  NW_INLINE static Lanes load(const std::vector<double>& v, std::size_t k) {
+    return Lanes(v.data() + k, stdx::element_aligned);
+  }
+
+  std::vector<Neighbour> list_;
+  std::vector<double> x_, y_, z_;
+};
+
+}  // namespace
+
+std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const CellIndex& cells,
+                                 int threads) {
+  if (threads == 1) return {{0, state.owned()}};
   // Neighbours of a segment, estimated by the population of the cells around it, plus its own work.
   std::vector<double> work(static_cast<std::size_t>(state.owned()) + 1, 0.0);
   std::vector<std::int64_t> around;
@@ -37,9 +88,8 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, int t
   return shares;
 }
 
-void PairList::build(const State& state, const CellGrid& grid, const std::vector<Share>& shares,
-                     double range, int exclude) {
-  const CellIndex cells(state, grid, state.local());
+void PairList::build(const State& state, const CellGrid& grid, const CellIndex& cells,
+                     const std::vector<Share>& shares, double range, int exclude) {
   const MinimumImage nearest(state.box);
   const double range2 = range * range;
   const int owned = state.owned();
@@ -51,11 +101,6 @@ void PairList::build(const State& state, const CellGrid& grid, const std::vector
   threads_.resize(shares.size());
   shares_ = shares;
 
-  struct Neighbour {
-    Vec3d x;
-    std::int64_t row, start;
-    std::int32_t point;
-  };
 #pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
@@ -63,7 +108,7 @@ void PairList::build(const State& state, const CellGrid& grid, const std::vector
     auto& lists = threads_[t];
     lists.inner.clear();
     lists.outer.clear();
-    std::vector<Neighbour> neighbours;
+    Surroundings neighbours;
     std::vector<std::int64_t> around;
     std::int64_t lastCell = -1;
     for (std::int32_t i = share.begin; i < share.end; ++i) {
@@ -75,31 +120,26 @@ void PairList::build(const State& state, const CellGrid& grid, const std::vector
           const int place = cells.rangeOf.at(c);
           if (place < 0) continue;
           const auto& r = cells.ranges[static_cast<std::size_t>(place)];
-          for (int k = r.begin; k < r.end; ++k) {
-            const int j = cells.order[static_cast<std::size_t>(k)];
-            neighbours.push_back(
-                {state.position(j), state.row[j], state.row[j] - state.chain[2 * j], j});
-          }
+          for (int k = r.begin; k < r.end; ++k)
+            neighbours.add(state, cells.order[static_cast<std::size_t>(k)]);
         }
+        neighbours.close();
       }
-      const Vec3d x = state.position(i);
       const std::int64_t row = state.row[i], start = row - state.chain[2 * i];
-      for (const Neighbour& n : neighbours) {
-        const Vec3d d = nearest(n.x - x);
-        if (!(dot(d, d) < range2)) continue;
+      neighbours.within(state.position(i), range2, nearest, [&](const auto& n) {
         const bool mine = n.point >= share.begin && n.point < share.end;
-        if (mine ? n.row <= row : n.row == row) continue;
+        if (mine ? n.row <= row : n.row == row) return;
         if (n.start == start) {
           const int places = placesOn(state, i, n.point);
           if (std::abs(places) < exclude) {
-            if (!state.gap || std::abs(places) > 63) continue;
+            if (!state.gap || std::abs(places) > 63) return;
             const std::int64_t apart = state.gap[4 * i + (places > 0 ? 2 : 3)];
-            if (!(apart >> std::abs(places) & 1)) continue;
+            if (!(apart >> std::abs(places) & 1)) return;
           }
         }
         const ListPair pair = row < n.row ? ListPair{i, n.point} : ListPair{n.point, i};
         (n.point < owned ? lists.inner : lists.outer).push_back(pair);
-      }
+      });
     }
   }
 }

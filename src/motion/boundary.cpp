@@ -198,6 +198,10 @@ void Boundaries::attach(State& state, const RunRecord& record) {
     std::int64_t members = 0;
     for (int i = 0; i < state.owned(); ++i) members += state.group[i] >> b.bit & 1;
     MPI_Allreduce(MPI_IN_PLACE, &members, 1, MPI_INT64_T, MPI_SUM, state.comm());
+    if (members == 0 && b.bit >= leftGripBit)
+      throw InputError(format("-tension_ends %g,%g: no segment lies in the %s grip",
+                              (*tension_->ends)[0], (*tension_->ends)[1],
+                              b.bit == leftGripBit ? "lower" : "upper"));
     if (members == 0)
       throw InputError(format("-bc %s: no segment lies in its %s", b.name.c_str(),
                               b.region ? "region" : "group"));

@@ -18,14 +18,15 @@ struct Share {
 };
 
 /// Cuts the owned segments into one run a thread, with about equal numbers of neighbours.
-std::vector<Share> shareSegments(const State& state, const CellGrid& grid, int threads);
+std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const CellIndex& cells,
+                                 int threads);
 
 class PairList {
  public:
   /// Lists all pairs whose centres are within `range`, but for neighbours along a fibre closer than
   /// `exclude` places that have never been apart (State::gap).
-  void build(const State& state, const CellGrid& grid, const std::vector<Share>& shares,
-             double range, int exclude);
+  void build(const State& state, const CellGrid& grid, const CellIndex& cells,
+             const std::vector<Share>& shares, double range, int exclude);
 
   /// A thread's pairs without ghosts, then those with.
   struct ThreadPairs {
