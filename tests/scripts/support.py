@@ -5,6 +5,7 @@ import tempfile
 import unittest
 
 import h5py
+import numpy as np
 
 
 class FolderTest(unittest.TestCase):
@@ -40,3 +41,21 @@ def read_state(name):
         state = {key: data[()] for key, data in file["state"].items()}
         state.update(file["state"].attrs)
     return state
+
+
+def write_state(name, fibres, time=0.0, step=0, box=None, field=None, **more):
+    """A state of straight fibres, each an array of positions."""
+    count = [len(fibre) for fibre in fibres]
+    with h5py.File(name, "w") as file:
+        group = file.create_group("state")
+        lower, upper = box or ([-1e5] * 3, [1e5] * 3)
+        group.attrs.update(format="nanoweft-state", version=1, step=step, time=time, units="nano",
+                           lower=lower, upper=upper, periodic=[int(box is not None), 0, 0])
+        group["position"] = np.concatenate([np.zeros((0, 3)), *fibres])
+        group["fibre"] = np.repeat(np.arange(len(fibres)), count)
+        group["index"] = np.concatenate([np.zeros(0, int), *(np.arange(n) for n in count)])
+        group["orientation"] = np.tile([1.0, 0, 0, 0], (sum(count), 1))
+        for key, value in more.items():
+            group[key] = value
+        for key, value in (field or {}).items():
+            file[f"field/{key}"] = value

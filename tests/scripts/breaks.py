@@ -1,0 +1,85 @@
+"""Tests of scripts/breaks: python3 breaks.py SCRIPTS"""
+import os
+import sys
+import unittest
+
+import numpy as np
+from support import FolderTest, write_state
+
+SPACING, COUNT, TUBES = 10.0, 41, 5
+LEFT, RIGHT = 1 << 28, 1 << 29
+
+
+class Breaks(FolderTest):
+    """Five tubes along x at y = 0, 100, ..., 400, gripped up to x = 50 and from x = 350."""
+
+    def write(self, name, step, broken=(), axis=0, stretch=1.0, held=True, tubes=TUBES):
+        x = SPACING * np.arange(COUNT)
+        fibres = [np.roll(np.stack([stretch * x, np.full(COUNT, 100.0 * k), 0 * x], axis=1), axis, axis=1)
+                  for k in range(tubes)]
+        group = np.where(x <= 50, LEFT, np.where(x >= 350, RIGHT, 0)) * held
+        torn = np.zeros((tubes, COUNT), np.int8)
+        for fibre, index in broken:
+            torn[fibre, index] = 1
+        write_state(self.path(name), fibres, step=step, time=1000.0 * step, bond_broken=torn.ravel(),
+                    group=np.tile(group, tubes).astype(np.int32))
+
+    def breaks(self, *names):
+        return self.run_program(os.path.join(scripts, "breaks"), *names)
+
+    def test_places_and_times(self):
+        for axis in 0, 1:
+            self.write("a.h5", 0, axis=axis)
+            self.write("b.h5", 10, [(0, 19)], axis=axis, stretch=1.3)
+            self.write("c.h5", 20, [(0, 19), (3, 7), (2, 38)], axis=axis, stretch=1.6)
+            done = self.breaks("c.h5", "a.h5", "b.h5")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            lines = done.stdout.splitlines()
+            self.assertIn(f"along {'xy'[axis]}, gage 300, width 400", lines[0])
+            # Bonds from x = 190, 70 and 380 on, so their middles are at 195, 75 and, in the grip, 385.
+            self.assertEqual([line.split(maxsplit=5) for line in lines[2:5]],
+                             [["0", "19", "both", f"{145 / 300:.3f}", "0.000", "0 fs to 10 ps"],
+                              ["2", "38", "both", f"{335 / 300:.3f}", "0.500", "10 ps to 20 ps"],
+                              ["3", "7", "both", f"{25 / 300:.3f}", "0.250", "10 ps to 20 ps"]])
+            self.assertEqual(lines[5], "broken bonds: 3 in 3 fibres")
+            self.assertEqual(lines[7].split()[-5:], ["1", "0", "1", "0", "1"])
+            # Of the five tubes two are at the edge, two half way to the middle, one in the middle.
+            self.assertEqual(lines[8].split()[-5:], ["40.0", "0.0", "40.0", "0.0", "20.0"])
+            self.assertEqual(lines[9].split()[-5:], ["2", "0", "0", "0", "1"])
+            self.assertEqual(lines[10].split()[-5:], ["20.0"] * 5)
+
+    def test_edges_given(self):
+        self.write("a.h5", 0)
+        self.write("b.h5", 10, [(0, 19), (1, 19), (3, 7)])
+        done = self.breaks("a.h5", "b.h5", "--edges=50,350")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        # The outermost tubes lie outside, the next at 50 of 300.
+        self.assertEqual([line.split()[4] for line in done.stdout.splitlines()[2:5]], ["0.000", "0.167", "0.167"])
+        for text in "1", "5,2", "a,b", "0,inf":
+            done = self.breaks("a.h5", "--edges", text)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("invalid", done.stderr.splitlines()[-1])
+
+    def test_nothing_broken(self):
+        self.write("a.h5", 0)
+        done = self.breaks("a.h5")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("broken bonds: 0", done.stdout)
+
+    def test_refusals(self):
+        self.write("a.h5", 0)
+        self.write("free.h5", 0, held=False)
+        self.write("other.h5", 5, tubes=3)
+        with open(self.path("text.h5"), "w") as file:
+            file.write("no HDF5")
+        for text, *names in (("no such file", "none.h5"), ("damaged", "text.h5"), ("two grips", "free.h5"),
+                             ("other fibres", "a.h5", "other.h5")):
+            done = self.breaks(*names)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn(text, done.stderr)
+
+
+if __name__ == "__main__":
+    scripts = sys.argv[1]
+    unittest.main(argv=sys.argv[:1])
