@@ -67,9 +67,11 @@ Outcome runAlone(const Folder& folder, const std::string& options) {
 
 Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
                   const std::string& beside) {
-  const std::string script = "(" + command(folder, options, ranks, 1) + ") & PID=$!; cd '" +
-                             folder.path().string() + "'; { " + beside +
-                             "; } > beside.txt 2>&1; wait $PID";
+  // `beside` must not read what a run before has printed.
+  const std::string script =
+      "cd '" + folder.path().string() + "'; rm -f out.txt; cd - > /dev/null; (" +
+      command(folder, options, ranks, 1) + ") & PID=$!; cd '" + folder.path().string() + "'; { " +
+      beside + "; } > beside.txt 2>&1; wait $PID";
   return finish(folder, std::system(script.c_str()));
 }
 
