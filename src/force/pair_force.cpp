@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/force/hertz.hpp"
 #include "nanoweft/force/pair_kernel.hpp"
+#include "nanoweft/force/single_table.hpp"
 #include "nanoweft/force/vdw.hpp"
 
 namespace nanoweft {
@@ -23,6 +25,7 @@ struct Context {
   PointChoice points;
   int exclude;
   double switchFrom, cutoff;
+  bool single;
 };
 
 /// What a law says of itself.
@@ -34,12 +37,22 @@ Traits traitsOf(const Law& law) {
   return {law.cutoff(), law.closestSensible(), law.contactStiffness(), law.largestForce()};
 }
 
-/// A law as the kernel evaluates it: itself, or its table.
-template <class Law>
+/// Laws without a table have none in single precision.
+struct NoSingle {
+  template <class Law>
+  explicit NoSingle(const Law&) {}
+};
+
+// Without the lookups in registers of AVX-512 it would be slower than in doubles.
+using VdwSingle = std::conditional_t<singlePays, SingleTable, NoSingle>;
+
+/// A law as the kernel evaluates it: itself, or its table, which may have one in single precision.
+template <class Law, class Single = NoSingle>
 class PairForceOf final : public PairForce {
  public:
   PairForceOf(std::string name, Law law, const Traits& traits, const Context& context)
       : law_(std::move(law)) {
+    if (context.single) single_.emplace(law_);
     name_ = std::move(name);
     points_ = context.points;
     exclude_ = context.exclude;
@@ -57,8 +70,12 @@ class PairForceOf final : public PairForce {
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
     const KernelUnits units{length_, forceUnit_, torqueUnit_};
     auto resolve = [&](int points, bool withEnergies, Weight::Kind kind, const PairBlock& block) {
-      kernels[static_cast<std::size_t>(points - 1)][withEnergies](
-          law_, units, {kind, points_.blend}, block, job, tally);
+      const auto which = static_cast<std::size_t>(points - 1);
+      const Weight weight{kind, points_.blend};
+      if (single_)
+        singleKernels[which][withEnergies](*single_, units, weight, block, job, tally);
+      else
+        kernels[which][withEnergies](law_, units, weight, block, job, tally);
       tally.pointPairs += static_cast<std::int64_t>(points) * points * block.count;
     };
     PairSift sift(job, points_.blend, reach_);
@@ -124,17 +141,29 @@ class PairForceOf final : public PairForce {
     return {share * sum.energy, share * sum.force};
   }
 
-  using Kernel = void (*)(const Law&, const KernelUnits&, const Weight&, const PairBlock&,
+  template <class L>
+  using Kernel = void (*)(const L&, const KernelUnits&, const Weight&, const PairBlock&,
                           const PairJob&, PairTally&);
+  template <class L>
+  using Kernels = std::array<std::array<Kernel<L>, 2>, mostPoints>;
+
   /// By number of points less one, without and with energies.
   static constexpr auto kernels = []<std::size_t... N>(std::index_sequence<N...>) {
-    return std::array<std::array<Kernel, 2>, mostPoints>{
-        {{addBlock<false, static_cast<int>(N) + 1, Law>,
-          addBlock<true, static_cast<int>(N) + 1, Law>}...}};
+    return Kernels<Law>{{{addBlock<false, static_cast<int>(N) + 1, Law>,
+                          addBlock<true, static_cast<int>(N) + 1, Law>}...}};
+  }
+  (std::make_index_sequence<mostPoints>{});
+  static constexpr auto singleKernels = []<std::size_t... N>(std::index_sequence<N...>) {
+    if constexpr (std::is_same_v<Single, NoSingle>)
+      return Kernels<Single>{};
+    else
+      return Kernels<Single>{{{addBlockSingle<false, static_cast<int>(N) + 1, Single>,
+                               addBlockSingle<true, static_cast<int>(N) + 1, Single>}...}};
   }
   (std::make_index_sequence<mostPoints>{});
 
   Law law_;
+  std::optional<Single> single_;
 };
 
 std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool active) {
@@ -161,7 +190,7 @@ std::unique_ptr<PairForce> makeVdw(OptionSection& s, const Context& c, bool acti
   if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
     throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s",
                             p.switchFrom, law.restDistance(), c.units.length));
-  return std::make_unique<PairForceOf<PairTable>>("vdw", law.table(), traitsOf(law), c);
+  return std::make_unique<PairForceOf<PairTable, VdwSingle>>("vdw", law.table(), traitsOf(law), c);
 }
 
 std::unique_ptr<PairForce> makeHertz(OptionSection& s, const Context& c, bool active) {
@@ -194,13 +223,19 @@ std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& uni
   OptionSection pair(options, "Pair forces");
   const std::string chosen = pair.choice("pair", "vdw", names, "law of the forces between fibres");
   OptionSection s(options, "Pair forces", chosen != "none", "-pair is none");
-  Context c{units, fibre, {}, 20, 0, 0};
+  Context c{units, fibre, {}, 20, 0, 0, false};
   c.points.near =
       static_cast<int>(s.integer("pair_points", 3, "points per segment", 1, mostPoints));
   c.exclude = static_cast<int>(
       s.integer("pair_exclude", 20, "segments of one fibre interact from this many places apart", 2,
                 1000000));
   OptionSection range(options, "Pair forces", chosen == "vdw", "-pair is " + chosen);
+  c.single = range.choice("pair_precision", "double", {"double", "single"},
+                          "of the law's values and of their sums over a pair's points") == "single";
+  if (c.single && !singlePays)
+    throw InputError(
+        "-pair_precision single: needs a build for AVX-512 (-DNANOWEFT_ARCH=x86-64-v4 or native "
+        "where the processor has it); in others it would be slower than double");
   c.switchFrom = range
                      .maybeReal("pair_switch", "3 T", units.length,
                                 "distance where the switch-off begins", positive)

@@ -3,35 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
+
+#include "nanoweft/force/interpolation.hpp"
 
 namespace nanoweft {
 
 namespace {
-
-/// Coefficients of the polynomial in t, of degree n - 1, through f at the Chebyshev points of
-/// [0, width].
-template <std::size_t n, class F>
-std::array<double, n> interpolate(const F& f, double width) {
-  std::array<long double, n> x, divided;
-  for (std::size_t k = 0; k < n; ++k) {
-    x[k] = 0.5L * (1.0L - std::cos((k + 0.5L) * std::numbers::pi_v<long double> / n));
-    divided[k] = f(static_cast<double>(x[k]) * width);
-  }
-  for (std::size_t order = 1; order < n; ++order)
-    for (std::size_t k = n - 1; k >= order; --k)
-      divided[k] = (divided[k] - divided[k - 1]) / (x[k] - x[k - order]);
-  // Newton's form to powers of t/width, then of t.
-  std::array<long double, n> c{};
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = n - 1; j > 0; --j) c[j] = c[j - 1] - x[k] * c[j];
-    c[0] = divided[k] - x[k] * c[0];
-  }
-  std::array<double, n> result;
-  long double scale = 1.0L;
-  for (std::size_t k = 0; k < n; ++k, scale *= width) result[k] = static_cast<double>(c[k] / scale);
-  return result;
-}
 
 /// The upper half of a number's bits, rounded to nearest, in the upper half.
 std::uint64_t upperHalf(double x) {
@@ -56,6 +33,7 @@ std::array<double, 4> packedRow(const F& f, double width) {
 }  // namespace
 
 PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& slope) {
+  joins_ = joins;
   cutoff_ = joins.cutoff;
   const double ends[4] = {0.0, joins.inner * joins.inner, joins.outer * joins.outer,
                           joins.cutoff * joins.cutoff};

@@ -89,6 +89,11 @@ BENCHMARK_CAPTURE(pairResolution, 3_points_1_far, "-pair_points 3 -pair_far_poin
 BENCHMARK_CAPTURE(pairResolution, 5_points, "-pair_points 5");
 BENCHMARK_CAPTURE(pairResolution, 7_points, "-pair_points 7");
 
+BENCHMARK_CAPTURE(pairResolution, 3_points_single, "-pair_points 3 -pair_precision single");
+BENCHMARK_CAPTURE(pairResolution, 3_points_1_far_single,
+                  "-pair_points 3 -pair_far_points 1 -pair_precision single");
+BENCHMARK_CAPTURE(pairResolution, 5_points_single, "-pair_points 5 -pair_precision single");
+
 /// What the core can do at most: independent fused multiply-adds in registers.
 void peak(benchmark::State& state) {
   constexpr int chains = 12;

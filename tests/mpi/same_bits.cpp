@@ -1,6 +1,7 @@
 /// The same run gives the same bytes for any number of ranks and threads.
 #include <gtest/gtest.h>
 
+#include "nanoweft/base/floats.hpp"
 #include "support/program.hpp"
 
 namespace nanoweft::test {
@@ -41,6 +42,15 @@ TEST(SameBits, PeriodicWeaveOnMoreRanks) {
       "-pair_far_points 1" +
           outputs + frames,
       {"out.h5", "energy.csv", "frame_0000000200.h5"}, {{2, 1}, {3, 1}, {8, 1}});
+}
+
+TEST(SameBits, SinglePrecision) {
+  if (!singlePays) GTEST_SKIP() << "not offered without AVX-512";
+  expectSameFiles(
+      "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.2 -ts_max_steps 300 "
+      "-pair_far_points 1 -pair_precision single" +
+          outputs,
+      {"out.h5", "energy.csv"}, {{1, 2}, {2, 1}, {4, 1}});
 }
 
 TEST(SameBits, TensionWithBreakage) {

@@ -23,8 +23,20 @@ namespace stdx = std::experimental;
 using Lanes = stdx::native_simd<double>;
 inline constexpr int laneCount = static_cast<int>(Lanes::size());
 
+/// A constant of a formula, in the precision of V.
+template <class V>
+NW_INLINE V number(double x) {
+  if constexpr (requires { typename V::value_type; })
+    return V(static_cast<typename V::value_type>(x));
+  else
+    return static_cast<V>(x);
+}
+
 /// Per-lane choice; for doubles an ordinary conditional.
 NW_INLINE double select(bool condition, double a, double b) {
+  return condition ? a : b;
+}
+NW_INLINE float select(bool condition, float a, float b) {
   return condition ? a : b;
 }
 template <class T, class Abi>
@@ -240,8 +252,9 @@ typedef std::int64_t Row __attribute__((vector_size(64)));
 typedef double Reals __attribute__((vector_size(64)));
 
 /// The inverse of loadRows: up to eight columns to a row a lane, the missing ones zero.
-template <int columns>
-NW_INLINE void toRows(const LaneIntegers* column, Row* row) {
+/// (`Integers` are LaneIntegers: a parameter, so that only what fits the target is compiled.)
+template <int columns, class Integers>
+NW_INLINE void toRows(const Integers* column, Row* row) {
   if constexpr (laneCount == 8) {
     // Couples of columns of the even and the odd lanes, then the quarters to their lanes.
     auto at = [column](int k) { return k < columns ? column[k] : Row{}; };

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "nanoweft/base/simd.hpp"
+#include "nanoweft/base/floats.hpp"
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/pair_force.hpp"
 #include "nanoweft/force/pair_sift.hpp"
@@ -20,61 +20,90 @@ struct PairResult {
   decltype(V() < V()) touching{false};  ///< some points are within the cutoff
 };
 
-/// Distances of points and moments of their forces follow from the dot products of the separation
-/// and the two axes, so that a point pair costs little more than its force.
+/// Sums of f, sa f, sb f and sa sb f, and of the energies, over the points of a pair.
+template <class V>
+struct PointSums {
+  V f{}, a{}, b{}, ab{}, energy{};
+  decltype(V() < V()) touching{false};
+};
+
+/// How the two axes of a pair lie: all that distances of their points depend on.
+template <class V>
+struct PairShape {
+  V center2, alongI{}, alongJ{}, cosine{};
+};
+
+template <class V>
+NW_INLINE PairShape<V> shapeOf(const Vec3<V>& separation, const Vec3<V>& ei, const Vec3<V>& ej) {
+  return {dot(separation, separation), dot(separation, ei), dot(separation, ej), dot(ei, ej)};
+}
+
+/// Distances of points follow from dot products, so that a point pair costs little more than its
+/// force.
 template <bool Energies, int N, class Law, class V>
-NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation,
-                                    const Vec3<V>& ei, const Vec3<V>& ej) {
-  const V cutoff2(law.cutoff() * law.cutoff());
-  const V alongI = dot(separation, ei), alongJ = dot(separation, ej), cosine = dot(ei, ej),
-          center2 = dot(separation, separation);
-  PairResult<V> result;
-  // Sums of f, sa f, sb f and sa sb f over the points.
-  V sum(0.0), sumA(0.0), sumB(0.0), sumAB(0.0), energy(0.0);
+NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<V>& shape) {
+  const V cutoff2 = number<V>(law.cutoff2());
+  PointSums<V> sums;
 #pragma GCC unroll 3
   for (int a = 0; a < N; ++a) {
     const double sa = (a - 0.5 * (N - 1)) / N * length;
     // |separation - sa ei|^2 and twice its part along ej.
-    const V from2 = multiplyAdd(V(-2.0 * sa), alongI, V(center2 + sa * sa));
-    const V along = 2.0 * multiplyAdd(V(-sa), cosine, alongJ);
-    V row(0.0), rowB(0.0);
+    const V from2 =
+        multiplyAdd(number<V>(-2.0 * sa), shape.alongI, V(shape.center2 + number<V>(sa * sa)));
+    const V along = number<V>(2.0) * multiplyAdd(number<V>(-sa), shape.cosine, shape.alongJ);
+    V row = number<V>(0.0), rowB = number<V>(0.0);
 #pragma GCC unroll 9
     for (int b = 0; b < N; ++b) {
       const double sb = (b - 0.5 * (N - 1)) / N * length;
-      const V r2 = multiplyAdd(V(sb), along, V(from2 + sb * sb));
+      const V r2 = multiplyAdd(number<V>(sb), along, V(from2 + number<V>(sb * sb)));
       const auto near = r2 < cutoff2;
       if (!anyOf(near)) continue;
-      result.touching = result.touching || near;
+      sums.touching = sums.touching || near;
       // Law values beyond the cutoff are zero, so no lane needs a mask.
       V f;
       if constexpr (Energies) {
         const PairValue<V> value = law(r2);
         f = value.slope;
-        energy += value.energy;
+        sums.energy += value.energy;
       } else {
         f = law.slope(r2);
       }
       row += f;
-      rowB = multiplyAdd(V(sb), f, rowB);
+      rowB = multiplyAdd(number<V>(sb), f, rowB);
     }
-    sum += row;
-    sumB += rowB;
-    sumA = multiplyAdd(V(sa), row, sumA);
-    sumAB = multiplyAdd(V(sa), rowB, sumAB);
+    sums.f += row;
+    sums.b += rowB;
+    sums.a = multiplyAdd(number<V>(sa), row, sums.a);
+    sums.ab = multiplyAdd(number<V>(sa), rowB, sums.ab);
   }
-  const V share(1.0 / (N * N));
-  result.energy = share * energy;
-  sum *= share;
+  return sums;
+}
+
+/// Force and torques of the means over N x N points.
+template <int N, class V>
+NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const Vec3<V>& separation,
+                                 const Vec3<V>& ei, const Vec3<V>& ej) {
+  PairResult<V> result;
+  const V share(1.0 / (N * N)), f = share * sums.f;
+  result.touching = sums.touching;
+  result.energy = share * sums.energy;
   if constexpr (N > 1) {
-    sumA *= share, sumB *= share, sumAB *= share;
-    result.force = sum * separation - sumA * ei + sumB * ej;
-    result.torqueI = cross(ei, sumA * separation + sumAB * ej);
-    result.torqueJ = cross(ej, sumAB * ei - sumB * separation);
+    const V a = share * sums.a, b = share * sums.b, ab = share * sums.ab;
+    result.force = f * separation - a * ei + b * ej;
+    result.torqueI = cross(ei, a * separation + ab * ej);
+    result.torqueJ = cross(ej, ab * ei - b * separation);
   } else {
-    result.force = sum * separation;
+    result.force = f * separation;
     result.torqueI = result.torqueJ = {V(0.0), V(0.0), V(0.0)};
   }
   return result;
+}
+
+template <bool Energies, int N, class Law, class V>
+NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation,
+                                    const Vec3<V>& ei, const Vec3<V>& ej) {
+  const auto sums = sumPoints<Energies, N>(law, length, shapeOf(separation, ei, ej));
+  return assemble<N>(sums, separation, ei, ej);
 }
 
 /// What the kernels of a law share: segment length and the units of the integer sums.
@@ -103,27 +132,38 @@ struct KernelUnits {
   }
 }
 
-/// Adds the pairs of a block, N points on each axis; `weight` multiplies their energies.
-template <bool Energies, int N, class Law>
-void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
-              const PairBlock& block, const PairJob& job, PairTally& tally) {
-  const typename Law::Kernel law = shared;
-  const Lanes perForce(1.0 / units.force), perTorque(1.0 / units.torque);
+/// A SIMD group of a block's pairs.
+template <int N>
+struct PairGroup {
+  const std::int32_t *i, *j;
+  int used;  ///< lanes beyond repeat a pair and do not count
+  Vec3<Lanes> separation, ei{}, ej{};
+
+  NW_INLINE PairGroup(const PairBlock& block, const PairJob& job, int first)
+      : i(block.i + first),
+        j(block.j + first),
+        used(std::min(laneCount, block.count - first)),
+        separation(block.separation(first)) {
+    if constexpr (N > 1) {
+      ei = axis1(gatherOrientations(job.pose, i));
+      ej = axis1(gatherOrientations(job.pose, j));
+    }
+  }
+};
+
+/// Adds pairs to the sums of a block's job.
+template <bool Energies, int N>
+struct PairAdder {
+  const KernelUnits& units;
+  const Weight& weight;
+  const PairJob& job;
+  PairTally& tally;
   ForceSum others{};
-  const SumShare share{job.sum, job.begin, job.end, &others};
-  for (int first = 0; first < block.count; first += laneCount) {
-    const int used = std::min(laneCount, block.count - first);
-    const std::int32_t *i = block.i + first, *j = block.j + first;
-    const Vec3<Lanes> separation = block.separation(first);
-    PairResult<Lanes> pair;
-    if constexpr (N > 1)
-      pair = resolvePair<Energies, N>(law, units.length, separation,
-                                      axis1(gatherOrientations(job.pose, i)),
-                                      axis1(gatherOrientations(job.pose, j)));
-    else
-      pair = resolvePair<Energies, N>(law, units.length, separation, {}, {});
-    if (!anyOf(pair.touching)) continue;
-    if constexpr (Energies) weight.apply(separation, pair);
+
+  NW_INLINE void operator()(const PairGroup<N>& group, PairResult<Lanes>& pair) {
+    const Lanes perForce(1.0 / units.force), perTorque(1.0 / units.torque);
+    const SumShare share{job.sum, job.begin, job.end, &others};
+    if constexpr (Energies) weight.apply(group.separation, pair);
     Row onI[laneCount], onJ[laneCount];
     auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v, const Lanes& scale) {
       to[0] = nearestIntegers(v.x * scale);
@@ -138,16 +178,65 @@ void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
     for (int c = 0; c < 3; ++c) component[c] = -component[c];
     if constexpr (N > 1) whole(component + 3, pair.torqueJ, perTorque);
     toRows<components>(component, onJ);
-    for (int k = used; k < laneCount; ++k) onI[k] = onJ[k] = Row{};
-    scatter(share, i, j, onI, onJ);
+    for (int k = group.used; k < laneCount; ++k) onI[k] = onJ[k] = Row{};
+    scatter(share, group.i, group.j, onI, onJ);
     if constexpr (Energies)
-      for (int k = 0; k < used; ++k)
-        if (share.owns(i[k]))
+      for (int k = 0; k < group.used; ++k)
+        if (share.owns(group.i[k]))
           tally.energy.add(pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
     // A blended pair comes twice; its damping acts once.
     if (job.viscousSum && weight.kind != Weight::rising)
-      for (int k = 0; k < used; ++k)
-        if (pair.touching[static_cast<std::size_t>(k)]) addViscous(job, units, i[k], j[k]);
+      for (int k = 0; k < group.used; ++k)
+        if (pair.touching[static_cast<std::size_t>(k)])
+          addViscous(job, units, group.i[k], group.j[k]);
+  }
+};
+
+/// Adds the pairs of a block, N points on each axis; `weight` multiplies their energies.
+template <bool Energies, int N, class Law>
+void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
+              const PairBlock& block, const PairJob& job, PairTally& tally) {
+  const typename Law::Kernel law = shared;
+  PairAdder<Energies, N> add{units, weight, job, tally};
+  for (int first = 0; first < block.count; first += laneCount) {
+    const PairGroup<N> group(block, job, first);
+    auto pair = resolvePair<Energies, N>(law, units.length, group.separation, group.ei, group.ej);
+    if (anyOf(pair.touching)) add(group, pair);
+  }
+}
+
+/// The same with the sums over points in single precision, two groups at a time. Distances of
+/// centres and axes before, forces and torques after them are in doubles.
+template <bool Energies, int N, class Law>
+void addBlockSingle(const Law& shared, const KernelUnits& units, const Weight& weight,
+                    const PairBlock& block, const PairJob& job, PairTally& tally) {
+  const typename Law::Kernel law = shared;
+  PairAdder<Energies, N> add{units, weight, job, tally};
+  for (int first = 0; first < block.count; first += floatCount) {
+    const int second = first + laneCount;
+    const PairGroup<N> groups[2] = {{block, job, first},
+                                    {block, job, second < block.count ? second : first}};
+    auto shape = [&](const PairGroup<N>& g) {
+      auto result = shapeOf(g.separation, g.ei, g.ej);
+      result.center2 -= law.origin();
+      return result;
+    };
+    const auto low = shape(groups[0]), high = shape(groups[1]);
+    const PairShape<Floats> both{rounded(low.center2, high.center2),
+                                 rounded(low.alongI, high.alongI), rounded(low.alongJ, high.alongJ),
+                                 rounded(low.cosine, high.cosine)};
+    const auto sums = sumPoints<Energies, N>(law, units.length, both);
+    if (!anyOf(sums.touching)) continue;
+    const int count = second < block.count ? 2 : 1;
+#pragma GCC unroll 1
+    for (int k = 0; k < count; ++k) {
+      PointSums<Lanes> part{half(sums.f, k), half(sums.a, k), half(sums.b, k), half(sums.ab, k)};
+      if constexpr (Energies) part.energy = half(sums.energy, k);
+      part.touching = half(select(sums.touching, Floats(1.0f), Floats(0.0f)), k) > Lanes(0.5);
+      const PairGroup<N>& group = groups[k];
+      auto pair = assemble<N>(part, group.separation, group.ei, group.ej);
+      add(group, pair);
+    }
   }
 }
 

@@ -33,6 +33,7 @@ struct PairValue {
 class PairRows {
  public:
   double cutoff() const { return cutoff_; }
+  double cutoff2() const { return cutoff_ * cutoff_; }
 
   /// u'(r)/r at s = r^2; zero beyond the cutoff.
   template <class V>
@@ -103,7 +104,10 @@ class PairTable : public PairRows {
   /// `slope`: u'(r)/r between the joins, taken one-sidedly at them.
   PairTable(const Joins& joins, const std::function<double(double r)>& slope);
 
+  const Joins& joins() const { return joins_; }
+
  private:
+  Joins joins_;
   std::shared_ptr<const double[]> memory_;
 };
 
