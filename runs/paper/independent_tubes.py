@@ -23,7 +23,8 @@ def slack_tubes(path, axis):
         state = file["state"]
         x, fibre, group = state["position"][:, axis], state["fibre"][:], state["group"][:]
     found = []
-    for begin, end in zip(*(lambda e: (e[:-1], e[1:]))(np.flatnonzero(np.diff(fibre, prepend=-1, append=-1)))):
+    ends = np.flatnonzero(np.diff(fibre, prepend=-1, append=-1))
+    for begin, end in zip(ends, ends[1:]):
         left, right = (np.flatnonzero(group[begin:end] >> bit & 1) for bit in (28, 29))
         if not len(left) or not len(right):
             continue

@@ -303,11 +303,7 @@ void Simulation::step() {
   pendingBreaks_.insert(pendingBreaks_.end(), outcome_.broken.begin(), outcome_.broken.end());
   {
     const LogScope log(kickEvent_);
-    const bool looksAt = request.energies || fire_ || state_->viscous ||
-                         (snapshots_ && due(settings_.snapshotInterval)) ||
-                         (settings_.limitInterval > 0 && due(settings_.limitInterval)) ||
-                         (settings_.relaxForce > 0 && due(balanceCheckInterval));
-    if (looksAt)
+    if (endIsSeen(request))
       verlet_->kick(*state_, *forces_, boundaries_, accounts_);
     else
       verlet_->oweKick();
@@ -339,6 +335,13 @@ void Simulation::step() {
   if (settings_.limitInterval > 0 && due(settings_.limitInterval)) followLimit();
   if (checkpoint) writeCheckpoint(settings_.checkpointFile);
   stopAsked_ = notices & stop;
+}
+
+bool Simulation::endIsSeen(const ForceRequest& request) const {
+  return request.energies || fire_ || state_->viscous ||
+         (snapshots_ && due(settings_.snapshotInterval)) ||
+         (settings_.limitInterval > 0 && due(settings_.limitInterval)) ||
+         (settings_.relaxForce > 0 && due(balanceCheckInterval));
 }
 
 void Simulation::checkBalance() {

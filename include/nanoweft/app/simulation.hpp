@@ -50,6 +50,9 @@ class Simulation {
   void refuseOverlap() const;
   void begin();
   void step();
+  /// Does anything need the velocities and forces of this step's end? (Energies, checkpoints, ends
+  /// and progress all ask for energies.)
+  bool endIsSeen(const ForceRequest& request) const;
   void checkBalance();
   int agreeOn(const DriftReport& drift);
   void record();
