@@ -130,5 +130,22 @@ TEST(Fields, BrokenBondsHaveNoStrain) {
   EXPECT_GT(count, 20);
 }
 
+TEST(Fields, SnapshotBetweenRecordsIsTheStateOfItsStep) {
+  // Nothing else looks at step 7: its second half kick must have been made all the same.
+  const std::string weave =
+      "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -monitor_interval 1000 ";
+  const Folder between, end;
+  auto outcome = run(between, weave + "-ts_max_steps 10 -snapshot_file s -snapshot_interval 7");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(end, weave + "-ts_max_steps 7 -state_output out.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* name : {"position", "orientation", "velocity", "angular_velocity"}) {
+    const std::string dataset = std::string("/state/") + name;
+    EXPECT_TRUE(readDataset(between / "s_0000000007.h5", dataset) ==
+                readDataset(end / "out.h5", dataset))
+        << name;
+  }
+}
+
 }  // namespace
 }  // namespace nanoweft::test
