@@ -288,7 +288,10 @@ void Simulation::step() {
   if (notices & broke)
     spreadBreaks(*state_, forces_->pair() ? forces_->pair()->exclude() : 0,
                  std::exchange(pendingBreaks_, {}));
-  if (notices & stale) forces_->rebuild(*state_, *domain_);
+  if (notices & released)
+    forces_->rebuild(*state_, *domain_);
+  else if (notices & stale)
+    forces_->refresh(*state_, *domain_);
 
   const bool monitored =
       (energyMonitor_.wanted() || stressMonitor_.wanted()) && due(settings_.monitorInterval);
@@ -359,7 +362,8 @@ void Simulation::checkBalance() {
 
 int Simulation::agreeOn(const DriftReport& drift) {
   int notices = 0;
-  if (drift.stale || releasedPairs_) notices |= stale;
+  if (drift.stale) notices |= stale;
+  if (releasedPairs_) notices |= released;
   if (drift.unstable) notices |= unstable;
   if (stopRequested()) notices |= stop;
   if (!pendingBreaks_.empty()) notices |= broke;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/huge_pages.hpp"
 #include "nanoweft/base/log.hpp"
 
 namespace nanoweft {
@@ -20,13 +22,14 @@ ForceField::ForceField(Settings settings, const Box& box)
       pairEvent_(logEvent("NwPairs")),
       haloEvent_(logEvent("NwHalo")) {
   const double length = settings_.fibre.length;
-  skin_ = settings_.skin > 0 ? settings_.skin : 0.3 * length;
+  skin_ = settings_.skin > 0 ? settings_.skin : length;
   skinLimit_ = 1.5 * length;
   if (settings_.pair)
     for (int d = 0; d < 3; ++d)
       if (box.periodic[d])
         skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - settings_.pair->reach());
   if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
+  margin_ = 0.3 * skin_;
 }
 
 void ForceField::rebuild(State& state, Domain& domain) {
@@ -41,18 +44,52 @@ void ForceField::rebuild(State& state, Domain& domain) {
   bonds_.build(state, domain, shares_, settings_.breakage);
   if (settings_.pair) {
     pairs_.build(state, domain.grid(), cells, shares_, listRange(), settings_.pair->exclude());
-    reference_.resize(3 * static_cast<std::size_t>(state.owned()));
-    for (int i = 0; i < state.owned(); ++i)
-      std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
+    tuneMargin(state);
+    startSift(state);
+    listed_ = reference_;
+    const ForceSum* before = sums_.data();
     sums_.resize(static_cast<std::size_t>(state.local()));
+    if (sums_.data() != before) preferHugePages(sums_.data(), sums_.capacity() * sizeof(ForceSum));
     if (viscous()) viscousSums_.resize(6 * sums_.size());
-    halfSkin2_ = 0.25 * skin_ * skin_;
   }
   noteWork(state, domain);
   ++rebuilds_;
   rebuildSeconds_ = MPI_Wtime() - begin;
-  pairSeconds_ = 0;
+  siftSeconds_ = 0;
   evaluations_ = 0;
+}
+
+void ForceField::refresh(State& state, Domain& domain) {
+  // Pairs that the list does not have were a skin out of reach when it was made.
+  double farthest2 = 0;
+#pragma omp parallel for num_threads(static_cast <int>(shares_.size())) reduction(max : farthest2)
+  for (int i = 0; i < state.owned(); ++i)
+    farthest2 = std::max(farthest2, squaredWay(state.pose + 8 * i, listed_, i));
+  MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+  tuneMargin(state);
+  if (!(2.0 * std::sqrt(farthest2) + margin_ <= skin_)) return rebuild(state, domain);
+  startSift(state);
+}
+
+void ForceField::startSift(const State& state) {
+  reference_.resize(3 * static_cast<std::size_t>(state.owned()));
+#pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
+  for (int i = 0; i < state.owned(); ++i)
+    std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
+  sift_ = true;
+  siftStep_ = state.step;
+}
+
+void ForceField::tuneMargin(const State& state) {
+  // A step looks at pairs in proportion to (reach + margin)^2 (a sheet), a sift at those within
+  // reach + skin, as many steps apart as the margin lasts: least together for this margin.
+  const std::int64_t steps = siftStep_ < 0 ? 0 : state.step - siftStep_;
+  if (steps < 1) return;
+  const double speed = margin_ / (2.0 * static_cast<double>(steps)),
+               widening = 1.0 + skin_ / settings_.pair->reach();
+  margin_ = widening * std::sqrt(settings_.pair->reach() * speed);
+  margin_ = std::clamp(margin_, 0.05 * settings_.fibre.length, 0.5 * skin_);
+  siftStep_ = state.step;
 }
 
 void ForceField::noteWork(const State& state, Domain& domain) {
@@ -67,14 +104,14 @@ void ForceField::noteWork(const State& state, Domain& domain) {
 
 void ForceField::tuneSkin(const State& state) {
   if (!settings_.pair || settings_.skin > 0 || evaluations_ < 2 || rebuilds_ < 2) return;
-  // Cost of a step: rebuild / steps between + pairs. The steps between grow like the skin, the
-  // pairs like the square of the range (a sheet) or more: follow the derivative, in steps large
-  // enough to be worth a new cell grid. Rank 0 decides, since all must agree.
+  // Cost of a step: (rebuild + sifts) / steps between. The steps between grow like the skin, the
+  // pairs to be sifted like the square of the range (a sheet) or more: follow the derivative, in
+  // steps large enough to be worth a new cell grid. Rank 0 decides, since all must agree.
   double next = skin_;
   const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
-  const double loss = 2.0 * (pairSeconds_ / static_cast<double>(evaluations_)) / listRange();
+  const double loss = 2.0 * (siftSeconds_ / static_cast<double>(evaluations_)) / listRange();
   if (gain > 1.3 * loss) next = std::min(1.2 * skin_, skinLimit_);
-  if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.1 * settings_.fibre.length);
+  if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.2 * settings_.fibre.length);
   MPI_Bcast(&next, 1, MPI_DOUBLE, 0, state.comm());
   if (next > 0) skin_ = std::min(next, std::max(skinLimit_, skin_));
 }
@@ -85,11 +122,19 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   std::vector<PairTally> pairTallies(threads);
   const PairForce* pair = settings_.pair.get();
   const bool viscousOn = pair && viscous() && request.viscous;
-  auto pairJob = [&](std::size_t t, const std::vector<ListPair>& list) {
+  const bool sifting = std::exchange(sift_, false);
+  auto pairJob = [&](std::size_t t, std::vector<ListPair> PairList::ThreadPairs::*part) {
     PairJob job;
     job.pose = state.pose;
+    std::vector<ListPair>& present = pairs_.present()[t].*part;
+    const auto& list = sifting ? pairs_.threads()[t].*part : present;
     job.pairs = list.data();
     job.count = list.size();
+    if (sifting) {
+      job.kept = &present;
+      // A little wider, since the estimate of the stable step displaces what it evaluates.
+      job.keepRange = pair->reach() + 1.001 * margin_;
+    }
     job.begin = shares_[t].begin;
     job.end = shares_[t].end;
     job.sum = sums_.data();
@@ -126,10 +171,10 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
 #pragma omp parallel num_threads(static_cast <int>(threads))
     {
       const auto t = static_cast<std::size_t>(omp_get_thread_num());
-      const std::int32_t from = shares_[t].begin, to = shares_[t].end;
-      std::fill(sums_.begin() + from, sums_.begin() + to, ForceSum{});
-      if (viscousOn) std::fill(viscousSums_.begin() + 6 * from, viscousSums_.begin() + 6 * to, 0);
-      pair->add(pairJob(t, pairs_.threads()[t].inner), request.energies, pairTallies[t]);
+      if (viscousOn)
+        std::fill(viscousSums_.begin() + 6 * shares_[t].begin,
+                  viscousSums_.begin() + 6 * shares_[t].end, 0);
+      pair->add(pairJob(t, &PairList::ThreadPairs::inner), request.energies, pairTallies[t]);
     }
   }
   double waited = MPI_Wtime();
@@ -148,7 +193,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
 #pragma omp parallel num_threads(static_cast <int>(threads))
     {
       const auto t = static_cast<std::size_t>(omp_get_thread_num());
-      pair->add(pairJob(t, pairs_.threads()[t].outer), request.energies, pairTallies[t]);
+      pair->add(pairJob(t, &PairList::ThreadPairs::outer), request.energies, pairTallies[t]);
       if (request.complete) complete(state, shares_[t].begin, shares_[t].end);
       if (viscousOn) {
         const double forceUnit = pair->forceUnit(), torqueUnit = pair->torqueUnit();
@@ -167,7 +212,8 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     }
     PetscLogFlops(60.0 * static_cast<double>(pointPairs));  // about; gathers and scatter aside
   }
-  pairSeconds_ += MPI_Wtime() - begin - waited;
+  // Of an evaluation that sifts, about a fifth goes into it.
+  if (sifting) siftSeconds_ += 0.2 * (MPI_Wtime() - begin - waited);
   ++evaluations_;
 
   ForceOutcome outcome;
@@ -184,15 +230,17 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   return outcome;
 }
 
-void ForceField::complete(State& state, std::int32_t begin, std::int32_t end) const {
+void ForceField::complete(State& state, std::int32_t begin, std::int32_t end) {
   if (!settings_.pair) return;
   const double forceUnit = settings_.pair->forceUnit(), torqueUnit = settings_.pair->torqueUnit();
   for (std::int32_t i = begin; i < end; ++i) {
-    const ForceSum& sum = sums_[static_cast<std::size_t>(i)];
+    ForceSum& sum = sums_[static_cast<std::size_t>(i)];
     for (int c = 0; c < 3; ++c) {
       state.force[3 * i + c] += forceUnit * static_cast<double>(sum.at[c]);
       state.torque[3 * i + c] += torqueUnit * static_cast<double>(sum.at[3 + c]);
     }
+    // Ready for the next ones, while the record is in the cache.
+    sum = {};
   }
 }
 

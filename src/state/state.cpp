@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/huge_pages.hpp"
 
 namespace nanoweft {
 
@@ -93,6 +94,13 @@ void State::acquire() {
   if (extras_.gap) get(swarm_, gapField.name, gap);
   if (extras_.viscous) get(swarm_, viscousField.name, viscous);
   acquired_ = true;
+  if (pose == advised_) return;
+  advised_ = pose;
+  PetscInt count;
+  petsc(DMSwarmGetLocalSize(swarm_, &count));
+  const auto triples = 24 * static_cast<std::size_t>(count);
+  preferHugePages(pose, 64 * static_cast<std::size_t>(count));
+  for (double* field : {velocity, angular, force, torque}) preferHugePages(field, triples);
 }
 
 void State::release() {

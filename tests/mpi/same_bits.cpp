@@ -3,6 +3,7 @@
 
 #include "nanoweft/base/floats.hpp"
 #include "support/program.hpp"
+#include "support/state_edit.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -56,6 +57,38 @@ TEST(SameBits, SinglePrecision) {
       "-pair_far_points 1 -pair_precision single" +
           outputs,
       {"out.h5", "energy.csv"}, {{1, 2}, {2, 1}, {4, 1}});
+}
+
+/// A pair missing from a list, or looked at too late, would show. Fibres that meet end to
+/// end feel each other as soon as their segments are in reach.
+TEST(SameBits, WhateverTheSkin) {
+  const Folder scene;
+  writeState(scene / "in.h5", {straightFibre({-209.16, 0, 0}, {1, 0, 0}, 12),
+                               straightFibre({60, 0, 0}, {1, 0, 0}, 12)});
+  setMotion(
+      scene / "in.h5",
+      [](std::size_t row, const Vec3d&) {
+        return Vec3d{row < 12 ? 0.005 : -0.005, 0, 0};
+      },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
+  const std::string weave =
+                        "-weave_fibres 6,6 -weave_segments 48 -scene_perturb 0.3 -ts_max_steps "
+                        "800",
+                    meeting = "-scene file -scene_file " + scene / "in.h5" + " -ts_max_steps 1000";
+  for (const std::string& options : {weave, meeting}) {
+    const Folder reference;
+    auto outcome = run(reference, options + outputs + " -pair_skin 0.7", 1, 1);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    for (const char* skin : {"", " -pair_skin 2", " -pair_skin 6", " -pair_skin 20"})
+      for (const int ranks : {1, 3}) {
+        const Folder folder;
+        outcome = run(folder, options + outputs + skin, ranks, 2);
+        ASSERT_EQ(outcome.status, 0) << outcome.output;
+        for (const char* file : {"out.h5", "energy.csv"})
+          EXPECT_TRUE(readFile(folder / file) == readFile(reference / file))
+              << options << skin << ": " << file << " on " << ranks << " ranks";
+      }
+  }
 }
 
 TEST(SameBits, TensionWithBreakage) {

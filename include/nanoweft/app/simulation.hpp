@@ -40,7 +40,7 @@ class Simulation {
   /// Steps between looks at the forces that nothing balances.
   static constexpr long balanceCheckInterval = 10;
   /// What ranks tell each other in each step, as bits.
-  enum Notice { stale = 1, unstable = 2, stop = 4, progress = 8, broke = 16 };
+  enum Notice { stale = 1, unstable = 2, stop = 4, progress = 8, broke = 16, released = 32 };
 
   /// Throws InputError when something keeps moving.
   void requireRest() const;

@@ -44,17 +44,20 @@ class ForceField {
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
 
+  /// To be called when a segment has `moved`: sees to it that no pair is missing, by a rebuild or,
+  /// when the list still has them all, by drawing the present pairs from it anew. Collective.
+  void refresh(State& state, Domain& domain);
+
   /// Sets State::force and torque of the owned segments (and viscous, with viscous damping).
   ForceOutcome evaluate(State& state, Halo& halo, const ForceRequest& request);
 
-  /// Adds the pair forces to those of segments begin <= i < end, which evaluate() left out.
-  void complete(State& state, std::int32_t begin, std::int32_t end) const;
+  /// Hands over the pair forces on segments begin <= i < end, which evaluate() left out: adds them
+  /// to the others. To be called once for every segment before the next evaluation.
+  void complete(State& state, std::int32_t begin, std::int32_t end);
 
-  /// Has the segment, now at `x`, moved so far that a pair might be missing from the list?
+  /// Has the segment, now at `x`, moved so far that a pair might be missing from the present ones?
   bool moved(const double* x, int i) const {
-    const double* r = &reference_[3 * static_cast<std::size_t>(i)];
-    const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
-    return !(dot(d, d) <= halfSkin2_);
+    return !(squaredWay(x, reference_, i) <= 0.25 * margin_ * margin_);
   }
   bool tracksMotion() const { return settings_.pair != nullptr; }
 
@@ -74,23 +77,34 @@ class ForceField {
   std::int64_t bonds() const { return bonds_.size(); }
 
  private:
+  double squaredWay(const double* x, const std::vector<double>& from, int i) const {
+    const double* r = &from[3 * static_cast<std::size_t>(i)];
+    const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
+    return dot(d, d);
+  }
+  void startSift(const State& state);
+  void tuneMargin(const State& state);
   void tuneSkin(const State& state);
   void noteWork(const State& state, Domain& domain);
 
   Settings settings_;
   MinimumImage nearest_;
   SumUnit energyUnit_;
-  double skin_, skinLimit_, halfSkin2_ = 0;
+  double skin_, skinLimit_;  ///< of the list
+  double margin_;            ///< of the present pairs, drawn from the list
+  bool sift_ = false;        ///< the next evaluation draws them
   PairList pairs_;
   BondList bonds_;
   std::vector<Share> shares_;
-  std::vector<double> reference_, work_;
+  std::vector<double> listed_, reference_;  ///< [3]: where segments were at the rebuild, the sift
+  std::vector<double> work_;
   std::vector<ForceSum> sums_;
   std::vector<std::int64_t> viscousSums_;  ///< [6] a segment
   std::int64_t rebuilds_ = 0, resolved_ = 0;
   // Since the last rebuild, for tuning the skin.
-  double pairSeconds_ = 0, rebuildSeconds_ = 0;
+  double siftSeconds_ = 0, rebuildSeconds_ = 0;
   std::int64_t evaluations_ = 0;
+  std::int64_t siftStep_ = -1;  ///< step of the last sift, for tuning the margin
   PetscLogEvent rebuildEvent_, bondEvent_, pairEvent_, haloEvent_;
 };
 

@@ -39,6 +39,9 @@ struct PairJob {
   const double* pose;  ///< [8] a segment
   const ListPair* pairs;
   std::size_t count;
+  /// When given, becomes the list of those pairs whose centres are within `keepRange`.
+  std::vector<ListPair>* kept = nullptr;
+  double keepRange = 0;
   std::int32_t begin, end;
   ForceSum* sum;
   const MinimumImage* nearest;

@@ -1,5 +1,8 @@
 /// The list of segment pairs within reach plus a skin, and the threads' shares of it.
 ///
+/// A list costs more than several steps, so it has a wide skin; from it, at little cost, a shorter
+/// one with a thinner skin is drawn now and then, and that is what most steps go through.
+///
 /// Each thread owns a run of segments and sums all forces on them: a pair between two threads (or
 /// with a ghost) stands in both lists and is resolved twice, so nobody writes to another's segment.
 #pragma once
@@ -33,13 +36,15 @@ class PairList {
     std::vector<ListPair> inner, outer;
   };
   const std::vector<ThreadPairs>& threads() const { return threads_; }
+  /// Those of them that a step has to look at.
+  std::vector<ThreadPairs>& present() { return present_; }
   std::int64_t size() const;
   /// Adds to each owned segment half of a pair for each that it is in, as it would be if all
   /// segments were owned.
   void count(std::vector<double>& pairs) const;
 
  private:
-  std::vector<ThreadPairs> threads_;
+  std::vector<ThreadPairs> threads_, present_;
   std::vector<Share> shares_;
 };
 

@@ -3,6 +3,8 @@
 /// gives way to the other:
 ///
 ///     U = (1 - w) U_n + w U_m,   w = 0 below Blend::from, 1 beyond Blend::to, C2 between.
+///
+/// On the way a shorter list can be made, for the steps to come.
 #pragma once
 
 #include <cstdint>
@@ -61,6 +63,7 @@ class PairSift {
 
  private:
   void sift(std::size_t first);
+  void keep(unsigned chosen, std::size_t first);
   const PairBlock* handOut(Class which, Class& result);
 
   const PairJob& job_;

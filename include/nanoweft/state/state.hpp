@@ -115,6 +115,7 @@ class State {
   int owned_ = 0, ghosts_ = 0;
   std::int64_t total_ = 0;
   bool acquired_ = false;
+  const double* advised_ = nullptr;  ///< the poses that large pages have been asked for
 };
 
 }  // namespace nanoweft
