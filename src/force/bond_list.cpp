@@ -90,10 +90,6 @@ class BondScatter {
 void BondList::add(State& state, const BondParameters& parameters, const MinimumImage& nearest,
                    int thread, Share share, bool ghosts, bool energies, bool mayBreak,
                    BondTally& tally) {
-  if (!ghosts) {
-    std::fill(state.force + 3 * share.begin, state.force + 3 * share.end, 0.0);
-    std::fill(state.torque + 3 * share.begin, state.torque + 3 * share.end, 0.0);
-  }
   auto& threadBonds = threads_[static_cast<std::size_t>(thread)];
   auto& bonds = ghosts ? threadBonds.outer : threadBonds.inner;
   auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };

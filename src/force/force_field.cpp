@@ -148,6 +148,10 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     return job;
   };
   auto bonds = [&](std::size_t t, bool ghosts) {
+    if (!ghosts && !request.cleared) {
+      std::fill(state.force + 3 * shares_[t].begin, state.force + 3 * shares_[t].end, 0.0);
+      std::fill(state.torque + 3 * shares_[t].begin, state.torque + 3 * shares_[t].end, 0.0);
+    }
     bonds_.add(state, settings_.fibre.bond, nearest_, static_cast<int>(t), shares_[t], ghosts,
                request.energies, request.mayBreak, bondTallies[t]);
   };

@@ -270,6 +270,9 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
         second(begin, end);
       }
       first(begin, end);
+      // Ready for the next forces, while they are in the cache.
+      std::fill(state.force + 3 * begin, state.force + 3 * end, 0.0);
+      std::fill(state.torque + 3 * begin, state.torque + 3 * end, 0.0);
       drift(begin, end);
     });
     reports[t] = drift.report();

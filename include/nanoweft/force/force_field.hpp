@@ -24,6 +24,7 @@ struct ForceRequest {
   bool mayBreak = true;
   bool viscous = true;   ///< false: leave State::viscous as it is
   bool complete = true;  ///< false: pair forces are left to ForceField::complete
+  bool cleared = false;  ///< State::force and torque are zero already
 };
 
 class ForceField {

@@ -33,7 +33,7 @@ class Verlet {
   double dt() const { return dt_; }
 
   /// The half kick that is owed, the first half kick, and the drift by dt, in one pass over memory.
-  /// Advances State::time and step.
+  /// Advances State::time and step. Leaves State::force and torque zero.
   DriftReport kickAndDrift(State& state, ForceField& forces, const Boundaries& boundaries,
                            EnergyAccounts& accounts);
   /// Second half kick, with the forces at the new time, which it completes.
