@@ -4,7 +4,7 @@ import numpy as np
 
 from . import independent, scenes
 from .independent import LENGTH
-from .program import kept
+from .program import RunFailed, kept
 from .settings import FINE, WIDE, ranged
 
 FINEST_STEP, COARSER_FINEST = 0.3125, 1.25  # fs; the second for a quick run
@@ -38,7 +38,8 @@ class Axes:
     def measure(self, settings):
         """Fills in the errors."""
         work = {"time step": self.step, "points": self.points, "range": self.range,
-                "length": self.length, "far points": self.far_points, "settings": self.whole}
+                "length": self.length, "far points": self.far_points, "settings": self.whole,
+                "precision": self.precision}
         self.program.each(lambda s: work[s.axis](s), settings)
 
     # Two tubes
@@ -116,6 +117,20 @@ class Axes:
         self.force_error(setting, near, "force, by far points alone")
         setting.error("collapse", "energy drift", self.drift(setting.options))
         setting.error("collapse", "energy drift without far points", self.drift(near))
+
+    def single_offered(self):
+        """Builds for processors without AVX-512 refuse single precision."""
+        try:
+            self.forces("weave", dict(FINE, pair_precision="single"))
+        except RunFailed as refusal:
+            if "AVX-512" not in str(refusal):
+                raise
+            return False
+        return True
+
+    def precision(self, setting):
+        self.force_error(setting, dict(setting.options, pair_precision="double"), "force, by precision alone")
+        setting.error("collapse", "energy drift", self.drift(setting.options))
 
     def whole(self, setting):
         """An option file's errors, against the finest with its splice."""

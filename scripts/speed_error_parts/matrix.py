@@ -72,10 +72,11 @@ def measure(output, work, quick, rounds, workers, command):
     begun, say = time.time(), lambda what: print(f"{time.time() - begun:5.0f} s  {what}", flush=True)
     program = Program(work, workers)
     say("scenes")
-    axes, settings = Axes(program, work, quick), all_settings(quick)
+    axes = Axes(program, work, quick)
+    settings = all_settings(quick, axes.single_offered())
     say("errors")
     axes.measure(settings)
-    checked = [s for s in settings if s.axis not in ("time step", "settings")]
+    checked = [s for s in settings if s.axis not in ("time step", "settings", "precision")]
     facts = {"machine": machine(), "command": command, "rounds": rounds, "weave": axes.weave_size,
              "tubes": axes.tubes, "finest": axes.finest,
              "adhesion": {s: axes.adhesion(s) for s in ("smooth", "kink")},

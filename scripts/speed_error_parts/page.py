@@ -77,6 +77,15 @@ FAR = """
 function, so nothing drifts: compare the last two columns of errors.
 """
 
+PRECISION = """
+## Single precision
+
+{table}
+
+`-pair_precision single`: the law and its sums over the points of a pair in single precision, distances of centres, axes, forces and torques of
+pairs in doubles. Forces: against the same in doubles. It needs a build for AVX-512.
+"""
+
 RANGE = """
 ## Range of the forces
 
@@ -213,6 +222,8 @@ def write(facts, rows, folder):
                     paper_corrugation=f"{100 * paper:.1f} %"),
         POINTS.format(table=errors(rows, "points", both), sums=facts["sums"], **facts["adhesion"]),
         FAR.format(table=errors(rows, "far points")),
+        *([PRECISION.format(table=errors(rows, "precision"))]
+          if any(r["axis"] == "precision" for r in rows) else []),
         RANGE.format(table=errors(rows, "range")),
         STEP.format(finest=facts["finest"], table=errors(rows, "time step", (("cost", None),))),
         LENGTH.format(table=errors(rows, "length", (("cost", None),),

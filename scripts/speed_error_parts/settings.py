@@ -42,7 +42,16 @@ def option_file(name):
     return Setting("settings", name, options | number, dt)
 
 
-def all_settings(quick):
+def precisions(quick):
+    """Settings in doubles and the same in single precision."""
+    points = {"3": DEFAULT, "5": dict(DEFAULT, pair_points=5),
+              "3, 1 from 2T": dict(DEFAULT, pair_far_points=1, pair_far_from=2 * LENGTH)}
+    return [Setting("precision", f"{name} {precision}", dict(points[name], pair_precision=precision))
+            for name in (("3",) if quick else points) for precision in ("double", "single")]
+
+
+def all_settings(quick, single):
+    """`single`: whether the program offers single precision."""
     def pick(full, few):
         return few if quick else full
 
@@ -65,4 +74,4 @@ def all_settings(quick):
     for times in pick((0.5, 1, 2, 4), (1, 2)):
         options = dict(DEFAULT, pair_points=POINTS_OF_LENGTH[times])
         made.append(Setting("length", f"{times} x 2 rf", options, length=times * LENGTH))
-    return made
+    return made + (precisions(quick) if single else [])
