@@ -23,7 +23,8 @@ ForceField::ForceField(Settings settings, const Box& box)
       haloEvent_(logEvent("NwHalo")) {
   const double length = settings_.fibre.length;
   skin_ = settings_.skin > 0 ? settings_.skin : length;
-  skinLimit_ = 1.5 * length;
+  // Wider, it would save little more, and cost memory, ghosts and even shares: cells grow with it.
+  skinLimit_ = length;
   if (settings_.pair)
     for (int d = 0; d < 3; ++d)
       if (box.periodic[d])
