@@ -35,15 +35,24 @@ std::array<double, 4> packedRow(const F& f, double width) {
 PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& slope) {
   joins_ = joins;
   cutoff_ = joins.cutoff;
-  const double ends[4] = {0.0, joins.inner * joins.inner, joins.outer * joins.outer,
-                          joins.cutoff * joins.cutoff};
-  double images[4] = {first, 1.0, 16.0, 0.0};
-  auto scale = [&](int z) { return (images[z + 1] - images[z]) / (ends[z + 1] - ends[z]); };
-  while (scale(1) < scale(0)) images[2] *= 2;
-  images[3] = 2 * images[2];
-  while (scale(2) < scale(1)) images[3] *= 2;
-  last_ = images[3];
-  for (int z = 0; z < 3; ++z) zones_[z] = {scale(z), images[z] - ends[z] * scale(z)};
+  const double inner = joins.inner * joins.inner, outer = joins.outer * joins.outer,
+               cutoff = joins.cutoff * joins.cutoff;
+  zones_[0] = {(1.0 - first) / inner, first};
+  // The begin of the switch is a node, too; of all nodes from 16 on that it may be, the one for
+  // which the cutoff falls nearest to a node.
+  double best = 1.0, end = 0.0;
+  for (double octave = 16; best > 1e-2; octave *= 2)
+    for (int k = 0; k < 1 << bits; ++k) {
+      const double image = octave + std::ldexp(octave * k, -bits),
+                   scale = (image - 1.0) / (outer - inner), y = 1.0 + scale * (cutoff - inner),
+                   width = std::ldexp(1.0, std::ilogb(y) - bits),
+                   miss = std::abs(y / width - std::round(y / width));
+      if (scale < zones_[0].scale || miss >= best) continue;
+      best = miss;
+      end = width * std::round(y / width);
+      zones_[1] = {scale, 1.0 - scale * inner};
+    }
+  last_ = std::ldexp(1.0, std::ilogb(end) + 1);
 
   const int rows = (std::ilogb(last_ / first) << bits) + 1;
   // Row by row the coefficients, then the energies, each with a spare row before.
@@ -58,16 +67,13 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
   for (int i = rows - 2; i >= 0; --i) {
     const double octave = std::ldexp(first, i >> bits), width = std::ldexp(octave, -bits);
     const double begin = octave + (i & ((1 << bits) - 1)) * width;
-    const int z = begin < 1.0 ? 0 : begin < images[2] ? 1 : 2;
+    if (begin >= end) continue;
+    const Zone& zone = zones_[begin < 1.0 ? 0 : 1];
     double* row = table + columns * i;
     const auto c = packedRow(
-        [&](double t) {
-          const double s = ends[z] + (begin - images[z] + t) / zones_[z].scale;
-          return slope(std::sqrt(s));
-        },
-        width);
+        [&](double t) { return slope(std::sqrt((begin + t - zone.shift) / zone.scale)); }, width);
     std::copy(c.begin(), c.end(), row);
-    const double half = 0.5 / zones_[z].scale;
+    const double half = 0.5 / zone.scale;
     double integral = 0.2 * lowerHalf(c[3]) * width;
     for (int k = 3; k >= 0; --k)
       integral = (integral + c[static_cast<std::size_t>(k)] / (k + 1)) * width;
@@ -78,8 +84,13 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
   // The spare row: the value at zero distance.
   table[-columns] = table[0];
   energies[-columns] = energy;
-  table_ = table;
-  energies_ = energies;
+  constexpr std::int64_t skipped = columns * (std::bit_cast<std::int64_t>(first) >> (52 - bits));
+  auto fromZero = [](const double* rows) {
+    return reinterpret_cast<const double*>(reinterpret_cast<std::uintptr_t>(rows) -
+                                           sizeof(double) * skipped);
+  };
+  table_ = fromZero(table);
+  energies_ = fromZero(energies);
   memory_ = std::move(memory);
 }
 

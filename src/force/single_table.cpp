@@ -20,7 +20,7 @@ SingleTable::SingleTable(const PairTable& table) {
     zones_[z] = {static_cast<float>(ends[z] - origin_), static_cast<float>(scale[z]),
                  static_cast<float>(images[z] - (ends[z] - origin_) * scale[z])};
   }
-  auto memory = std::make_shared<Columns>();
+  auto memory = std::make_shared<SingleColumns>();
   auto set = [](ShortColumn* columns, int place, const auto& c) {
     for (std::size_t k = 0; k < terms; ++k) columns[k].at[place & 31] = static_cast<float>(c[k]);
   };

@@ -104,24 +104,23 @@ struct LaneIndex {
 };
 
 /// The number of the part that y > 0 lies in, times `stride` (a power of two), when octaves are cut
-/// into 2^bits equal parts and these are counted from y = `first` (a power of two) on: where rows
-/// of `stride` doubles begin. `begin`: where the part begins.
+/// into 2^bits equal parts: where rows of `stride` doubles begin, but for a constant offset.
+/// `begin`: where the part begins.
 template <int bits, int stride>
-NW_INLINE std::int64_t octavePart(double y, double first, double& begin) {
+NW_INLINE std::int64_t octavePart(double y, double& begin) {
   constexpr int shift = 52 - bits;
   const auto pattern = __builtin_bit_cast(std::int64_t, y);
   begin = __builtin_bit_cast(double, pattern >> shift << shift);
-  return stride * ((pattern >> shift) - (__builtin_bit_cast(std::int64_t, first) >> shift));
+  return stride * (pattern >> shift);
 }
 template <int bits, int stride>
-NW_INLINE LaneIndex octavePart(const Lanes& y, double first, Lanes& begin) {
+NW_INLINE LaneIndex octavePart(const Lanes& y, Lanes& begin) {
   constexpr int shift = 52 - bits;
   using Integers = std::int64_t __attribute__((vector_size(sizeof(Lanes))));
   const Integers floor = __builtin_bit_cast(Integers, y) & (std::int64_t{-1} << shift);
   begin = __builtin_bit_cast(Lanes, floor);
   LaneIndex index;
-  const Integers counted = (floor >> (shift - std::countr_zero(unsigned{stride}))) -
-                           stride * (__builtin_bit_cast(std::int64_t, first) >> shift);
+  const Integers counted = floor >> (shift - std::countr_zero(unsigned{stride}));
   std::memcpy(index.at, &counted, sizeof counted);
   // Through memory: taken apart in registers, the numbers would compete with the rows' shuffles.
   asm("" : "+m"(index));
@@ -308,6 +307,13 @@ NW_INLINE LaneIntegers nearestIntegers(const Lanes& x) {
   const Lanes low = x - (high - magic) * 0x1p32 + magic;
   return ((bits(high) - bits(magic)) << 32) + (bits(low) - bits(magic));
 #endif
+}
+
+/// Makes the compiler take what it needs of `x` from memory, where it is an operand at no cost,
+/// rather than make it anew from parts that it holds in registers.
+template <class T>
+NW_INLINE void keepInMemory(T& x) {
+  asm("" : "+m"(x));
 }
 
 /// Which lanes are below a limit, as bits.

@@ -13,6 +13,7 @@ namespace nanoweft {
 class Hertz {
  public:
   using Kernel = Hertz;
+  static constexpr bool couples = false;  ///< distances near zero would be less exact
 
   Hertz(double stiffness, double radius) : stiffness_(stiffness), contact_(2.0 * radius) {}
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "nanoweft/base/floats.hpp"
 #include "nanoweft/force/gather.hpp"
@@ -24,7 +25,7 @@ struct PairResult {
 template <class V>
 struct PointSums {
   V f{}, a{}, b{}, ab{}, energy{};
-  decltype(V() < V()) touching{false};
+  V closest2 = number<V>(std::numeric_limits<float>::max());  ///< of two points, squared
 };
 
 /// How the two axes of a pair lie: all that distances of their points depend on.
@@ -39,37 +40,49 @@ NW_INLINE PairShape<V> shapeOf(const Vec3<V>& separation, const Vec3<V>& ei, con
 }
 
 /// Distances of points follow from dot products, so that a point pair costs little more than its
-/// force.
+/// force. With Law::couples, points of j on both sides of its centre are taken together and share
+/// most of the sums.
 template <bool Energies, int N, class Law, class V>
 NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<V>& shape) {
-  const V cutoff2 = number<V>(law.cutoff2());
   PointSums<V> sums;
+  auto forceAt = [&](const V& r2) __attribute__((always_inline)) {
+    sums.closest2 = smaller(r2, sums.closest2);
+    // Law values beyond the cutoff are zero, so no lane needs a mask.
+    if constexpr (Energies) {
+      const PairValue<V> value = law(r2);
+      sums.energy += value.energy;
+      return value.slope;
+    } else {
+      return law.slope(r2);
+    }
+  };
+  auto place = [&](int k) { return (k - 0.5 * (N - 1)) / N * length; };
 #pragma GCC unroll 3
   for (int a = 0; a < N; ++a) {
-    const double sa = (a - 0.5 * (N - 1)) / N * length;
+    const double sa = place(a);
     // |separation - sa ei|^2 and twice its part along ej.
     const V from2 =
         multiplyAdd(number<V>(-2.0 * sa), shape.alongI, V(shape.center2 + number<V>(sa * sa)));
     const V along = number<V>(2.0) * multiplyAdd(number<V>(-sa), shape.cosine, shape.alongJ);
     V row = number<V>(0.0), rowB = number<V>(0.0);
-#pragma GCC unroll 9
-    for (int b = 0; b < N; ++b) {
-      const double sb = (b - 0.5 * (N - 1)) / N * length;
-      const V r2 = multiplyAdd(number<V>(sb), along, V(from2 + number<V>(sb * sb)));
-      const auto near = r2 < cutoff2;
-      if (!anyOf(near)) continue;
-      sums.touching = sums.touching || near;
-      // Law values beyond the cutoff are zero, so no lane needs a mask.
-      V f;
-      if constexpr (Energies) {
-        const PairValue<V> value = law(r2);
-        f = value.slope;
-        sums.energy += value.energy;
-      } else {
-        f = law.slope(r2);
+    if constexpr (Law::couples) {
+      if constexpr (N % 2 == 1) row = forceAt(from2);
+#pragma GCC unroll 4
+      for (int b = 0; b < N / 2; ++b) {
+        const double sb = place(N - 1 - b);
+        const V middle = from2 + number<V>(sb * sb), part = number<V>(sb) * along;
+        const V behind = forceAt(V(middle - part)), before = forceAt(V(middle + part));
+        row += behind + before;
+        rowB = multiplyAdd(number<V>(sb), V(before - behind), rowB);
       }
-      row += f;
-      rowB = multiplyAdd(number<V>(sb), f, rowB);
+    } else {
+#pragma GCC unroll 9
+      for (int b = 0; b < N; ++b) {
+        const double sb = place(b);
+        const V f = forceAt(multiplyAdd(number<V>(sb), along, V(from2 + number<V>(sb * sb))));
+        row += f;
+        rowB = multiplyAdd(number<V>(sb), f, rowB);
+      }
     }
     sums.f += row;
     sums.b += rowB;
@@ -81,11 +94,11 @@ NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<
 
 /// Force and torques of the means over N x N points.
 template <int N, class V>
-NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const Vec3<V>& separation,
-                                 const Vec3<V>& ei, const Vec3<V>& ej) {
+NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, double cutoff2,
+                                 const Vec3<V>& separation, const Vec3<V>& ei, const Vec3<V>& ej) {
   PairResult<V> result;
   const V share(1.0 / (N * N)), f = share * sums.f;
-  result.touching = sums.touching;
+  result.touching = sums.closest2 < V(cutoff2);
   result.energy = share * sums.energy;
   if constexpr (N > 1) {
     const V a = share * sums.a, b = share * sums.b, ab = share * sums.ab;
@@ -103,7 +116,7 @@ template <bool Energies, int N, class Law, class V>
 NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation,
                                     const Vec3<V>& ei, const Vec3<V>& ej) {
   const auto sums = sumPoints<Energies, N>(law, length, shapeOf(separation, ei, ej));
-  return assemble<N>(sums, separation, ei, ej);
+  return assemble<N>(sums, law.cutoff2(), separation, ei, ej);
 }
 
 /// What the kernels of a law share: segment length and the units of the integer sums.
@@ -196,7 +209,8 @@ struct PairAdder {
 template <bool Energies, int N, class Law>
 void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
               const PairBlock& block, const PairJob& job, PairTally& tally) {
-  const typename Law::Kernel law = shared;
+  typename Law::Kernel law(shared);
+  keepInMemory(law);
   PairAdder<Energies, N> add{units, weight, job, tally};
   for (int first = 0; first < block.count; first += laneCount) {
     const PairGroup<N> group(block, job, first);
@@ -210,7 +224,8 @@ void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
 template <bool Energies, int N, class Law>
 void addBlockSingle(const Law& shared, const KernelUnits& units, const Weight& weight,
                     const PairBlock& block, const PairJob& job, PairTally& tally) {
-  const typename Law::Kernel law = shared;
+  typename Law::Kernel law(shared);
+  keepInMemory(law);
   PairAdder<Energies, N> add{units, weight, job, tally};
   for (int first = 0; first < block.count; first += floatCount) {
     const int second = first + laneCount;
@@ -226,16 +241,15 @@ void addBlockSingle(const Law& shared, const KernelUnits& units, const Weight& w
                                  rounded(low.alongI, high.alongI), rounded(low.alongJ, high.alongJ),
                                  rounded(low.cosine, high.cosine)};
     const auto sums = sumPoints<Energies, N>(law, units.length, both);
-    if (!anyOf(sums.touching)) continue;
     const int count = second < block.count ? 2 : 1;
 #pragma GCC unroll 1
     for (int k = 0; k < count; ++k) {
       PointSums<Lanes> part{half(sums.f, k), half(sums.a, k), half(sums.b, k), half(sums.ab, k)};
       if constexpr (Energies) part.energy = half(sums.energy, k);
-      part.touching = half(select(sums.touching, Floats(1.0f), Floats(0.0f)), k) > Lanes(0.5);
+      part.closest2 = half(sums.closest2, k);
       const PairGroup<N>& group = groups[k];
-      auto pair = assemble<N>(part, group.separation, group.ei, group.ej);
-      add(group, pair);
+      auto pair = assemble<N>(part, law.cutoff2(), group.separation, group.ei, group.ej);
+      if (anyOf(pair.touching)) add(group, pair);
     }
   }
 }

@@ -28,21 +28,33 @@ struct PairValue {
   V energy, slope;
 };
 
-/// What a kernel needs of a table, to be copied for its own use: a copy's constants stay in
-/// registers.
+/// What evaluating a table takes, with its constants as V: kernels make them vectors once, instead
+/// of at every use.
+template <class V>
 class PairRows {
  public:
+  /// As kernels prefer it (pair_kernel.hpp).
+  static constexpr bool couples = true;
+
   double cutoff() const { return cutoff_; }
   double cutoff2() const { return cutoff_ * cutoff_; }
 
+  PairRows() = default;
+  template <class W>
+  explicit PairRows(const PairRows<W>& other)
+      : cutoff_(other.cutoff_),
+        last_(other.last_),
+        table_(other.table_),
+        energies_(other.energies_) {
+    for (int z = 0; z < 2; ++z) zones_[z] = {V(other.zones_[z].scale), V(other.zones_[z].shift)};
+  }
+
   /// u'(r)/r at s = r^2; zero beyond the cutoff.
-  template <class V>
   NW_INLINE V slope(const V& s) const {
     V t;
     return force(loadRows<columns>(table_, rowOf(s, t)), t);
   }
 
-  template <class V>
   NW_INLINE PairValue<V> operator()(const V& s) const {
     V t;
     const auto place = rowOf(s, t);
@@ -58,45 +70,47 @@ class PairRows {
   }
 
  protected:
+  template <class W>
+  friend class PairRows;
+
   static constexpr int columns = 4, bits = 9;
   static constexpr double first = 0.5;
 
-  /// Maps s to the scaled distance y: below the inner join [1/2, 1), up to the switch from 1 to a
-  /// power of two, 16 or more, finest at contact, then on to another. Each zone is steeper than the
-  /// one before, so that the highest of the three lines is the right one.
+  /// Maps s to the scaled distance y: below the inner join [1/2, 1), beyond it from 1 on, steeper,
+  /// so that the higher of the two lines is the right one. Parts are finest at contact.
   struct Zone {
-    double scale, shift;
+    V scale, shift;
   };
 
   /// Where the row of `s` begins, and the place `t` within it.
-  template <class V>
   NW_INLINE auto rowOf(const V& s, V& t) const {
-    const V inside = multiplyAdd(s, V(zones_[0].scale), V(zones_[0].shift)),
-            middle = multiplyAdd(s, V(zones_[1].scale), V(zones_[1].shift)),
-            outside = multiplyAdd(s, V(zones_[2].scale), V(zones_[2].shift));
+    const V inside = multiplyAdd(s, zones_[0].scale, zones_[0].shift),
+            outside = multiplyAdd(s, zones_[1].scale, zones_[1].shift);
     // What is not a number finds the last row. Round-off below zero distance finds the spare row
     // before the first.
-    const V y = smaller(larger(larger(inside, middle), outside), V(last_));
+    const V y = smaller(larger(inside, outside), last_);
     V begin;
-    const auto place = octavePart<bits, columns>(y, first, begin);
+    const auto place = octavePart<bits, columns>(y, begin);
     t = y - begin;
     return place;
   }
 
-  template <class V>
   NW_INLINE static V force(const std::array<V, columns>& c, const V& t) {
     const V high = multiplyAdd(V(lowerHalf(c[3])), t, c[3]);
     return multiplyAdd(multiplyAdd(multiplyAdd(high, t, c[2]), t, c[1]), t, c[0]);
   }
 
-  double cutoff_, last_;
-  Zone zones_[3];
-  const double *table_, *energies_;  ///< coefficients; energy and half of ds/dt
+  double cutoff_;
+  V last_;
+  Zone zones_[2];
+  // Rows of coefficients; of the energy and half of ds/dt. Both as if the row of y = 0 were there,
+  // since rows are counted from that one.
+  const double *table_, *energies_;
 };
 
-class PairTable : public PairRows {
+class PairTable : public PairRows<double> {
  public:
-  using Kernel = PairRows;
+  using Kernel = PairRows<Lanes>;
   /// Distances where the law is not smooth: the inner join, the begin of the switch, the end.
   struct Joins {
     double inner, outer, cutoff;

@@ -17,18 +17,33 @@
 
 namespace nanoweft {
 
+struct SingleColumns {
+  static constexpr int terms = 8;
+  ShortColumn slope[terms], energy[terms];
+};
+
+/// With its constants as V, as PairRows has them.
+template <class V>
 class SingleRows {
  public:
+  static constexpr bool couples = false;  ///< registers would not suffice
+
   double origin() const { return origin_; }
   float cutoff2() const { return cutoff2_; }
 
-  template <class V>
+  SingleRows() = default;
+  template <class W>
+  explicit SingleRows(const SingleRows<W>& other)
+      : origin_(other.origin_), cutoff2_(other.cutoff2_), columns_(other.columns_) {
+    for (int z = 0; z < 3; ++z)
+      zones_[z] = {V(other.zones_[z].begin), V(other.zones_[z].scale), V(other.zones_[z].shift)};
+  }
+
   NW_INLINE V slope(const V& s) const {
     V t;
     const auto place = placeOf(s, t);
     return value(columns_->slope, place, t);
   }
-  template <class V>
   NW_INLINE PairValue<V> operator()(const V& s) const {
     V t;
     const auto place = placeOf(s, t);
@@ -36,28 +51,26 @@ class SingleRows {
   }
 
  protected:
-  static constexpr int bits = 2, terms = 8;
-  static constexpr float first = 0.5f, outer = 32.0f, last = 64.0f;
+  template <class W>
+  friend class SingleRows;
 
-  struct Columns {
-    ShortColumn slope[terms], energy[terms];
-  };
+  static constexpr int bits = 2, terms = SingleColumns::terms;
+  static constexpr float first = 0.5f, outer = 32.0f, last = 64.0f;
 
   /// y = scale s + shift from s = begin on.
   struct Zone {
-    float begin, scale, shift;
+    V begin, scale, shift;
   };
 
-  template <class V>
   NW_INLINE auto placeOf(const V& s, V& t) const {
-    auto line = [&](const Zone& z) { return multiplyAdd(s, V(z.scale), V(z.shift)); };
-    const V near = select(s < V(zones_[1].begin), line(zones_[0]), line(zones_[1]));
+    auto line = [&](const Zone& z) { return multiplyAdd(s, z.scale, z.shift); };
+    const V near = select(s < zones_[1].begin, line(zones_[0]), line(zones_[1]));
     // What is not a number finds the last part.
-    const V y = smaller(select(s < V(zones_[2].begin), near, line(zones_[2])), V(last));
+    const V y = smaller(select(s < zones_[2].begin, near, line(zones_[2])), V(last));
     return octavePart<bits>(y, t);
   }
 
-  template <class Place, class V>
+  template <class Place>
   NW_INLINE static V value(const ShortColumn* c, const Place& place, const V& t) {
     V sum = c[terms - 1][place];
 #pragma GCC unroll 8
@@ -68,16 +81,16 @@ class SingleRows {
   double origin_;
   float cutoff2_;  ///< the smallest squared distance of the last part, which is zero
   Zone zones_[3];
-  const Columns* columns_;
+  const SingleColumns* columns_;
 };
 
-class SingleTable : public SingleRows {
+class SingleTable : public SingleRows<float> {
  public:
-  using Kernel = SingleRows;
+  using Kernel = SingleRows<Floats>;
   explicit SingleTable(const PairTable& table);
 
  private:
-  std::shared_ptr<const Columns> memory_;
+  std::shared_ptr<const SingleColumns> memory_;
 };
 
 }  // namespace nanoweft
