@@ -89,7 +89,7 @@ void ForceField::tuneMargin(const State& state) {
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),
                widening = 1.0 + skin_ / settings_.pair->reach();
   margin_ = widening * std::sqrt(settings_.pair->reach() * speed);
-  margin_ = std::clamp(margin_, 0.05 * settings_.fibre.length, 0.5 * skin_);
+  margin_ = std::min(std::max(margin_, 0.05 * settings_.fibre.length), 0.5 * skin_);
   siftStep_ = state.step;
 }
 

@@ -79,7 +79,8 @@ TEST(SameBits, WhateverTheSkin) {
     const Folder reference;
     auto outcome = run(reference, options + outputs + " -pair_skin 0.7", 1, 1);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
-    for (const char* skin : {"", " -pair_skin 2", " -pair_skin 6", " -pair_skin 20"})
+    for (const char* skin :
+         {"", " -pair_skin 0.4", " -pair_skin 2", " -pair_skin 6", " -pair_skin 20"})
       for (const int ranks : {1, 3}) {
         const Folder folder;
         outcome = run(folder, options + outputs + skin, ranks, 2);
