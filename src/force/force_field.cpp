@@ -124,17 +124,18 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   const PairForce* pair = settings_.pair.get();
   const bool viscousOn = pair && viscous() && request.viscous;
   const bool sifting = std::exchange(sift_, false);
-  auto pairJob = [&](std::size_t t, std::vector<ListPair> PairList::ThreadPairs::*part) {
+  auto pairJob = [&](std::size_t t, bool outer) {
     PairJob job;
     job.pose = state.pose;
-    std::vector<ListPair>& present = pairs_.present()[t].*part;
-    const auto& list = sifting ? pairs_.threads()[t].*part : present;
-    job.pairs = list.data();
-    job.count = list.size();
+    auto& drawn = outer ? pairs_.drawn()[t].outer : pairs_.drawn()[t].inner;
     if (sifting) {
-      job.kept = &present;
+      job.pairs = outer ? pairs_.threads()[t].outer : pairs_.threads()[t].inner;
+      job.drawn = &drawn;
       // A little wider, since the estimate of the stable step displaces what it evaluates.
-      job.keepRange = pair->reach() + 1.001 * margin_;
+      job.drawnRange = pair->reach() + 1.001 * margin_;
+    } else {
+      job.core = drawn.core;
+      job.pairs = drawn.rim;
     }
     job.begin = shares_[t].begin;
     job.end = shares_[t].end;
@@ -179,7 +180,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
       if (viscousOn)
         std::fill(viscousSums_.begin() + 6 * shares_[t].begin,
                   viscousSums_.begin() + 6 * shares_[t].end, 0);
-      pair->add(pairJob(t, &PairList::ThreadPairs::inner), request.energies, pairTallies[t]);
+      pair->add(pairJob(t, false), request.energies, pairTallies[t]);
     }
   }
   double waited = MPI_Wtime();
@@ -198,7 +199,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
 #pragma omp parallel num_threads(static_cast <int>(threads))
     {
       const auto t = static_cast<std::size_t>(omp_get_thread_num());
-      pair->add(pairJob(t, &PairList::ThreadPairs::outer), request.energies, pairTallies[t]);
+      pair->add(pairJob(t, true), request.energies, pairTallies[t]);
       if (request.complete) complete(state, shares_[t].begin, shares_[t].end);
       if (viscousOn) {
         const double forceUnit = pair->forceUnit(), torqueUnit = pair->torqueUnit();

@@ -68,7 +68,7 @@ class PairForceOf final : public PairForce {
   }
 
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
-    const KernelUnits units{length_, forceUnit_, torqueUnit_};
+    const KernelUnits units{length_, cutoff_, forceUnit_, torqueUnit_};
     auto resolve = [&](int points, bool withEnergies, Weight::Kind kind, const PairBlock& block) {
       const auto which = static_cast<std::size_t>(points - 1);
       const Weight weight{kind, points_.blend};
@@ -78,6 +78,12 @@ class PairForceOf final : public PairForce {
         kernels[which][withEnergies](law_, units, weight, block, job, tally);
       tally.pointPairs += static_cast<std::int64_t>(points) * points * block.count;
     };
+    for (std::size_t first = 0; first < job.core.size(); first += PairBlock::capacity) {
+      PairBlock block;
+      takeCore(job, first, block);
+      tally.resolved += block.count;
+      resolve(points_.near, energies, Weight::whole, block);
+    }
     PairSift sift(job, points_.blend, reach_);
     PairSift::Class which;
     while (const PairBlock* block = sift.next(which)) {

@@ -99,7 +99,7 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
       if (const int i = cells.order[static_cast<std::size_t>(k)]; i < owned)
         cellOfOwned[static_cast<std::size_t>(i)] = r.cell;
   threads_.resize(shares.size());
-  present_.resize(shares.size());
+  drawn_.resize(shares.size());
   shares_ = shares;
 
 #pragma omp parallel num_threads(static_cast <int>(shares.size()))

@@ -9,54 +9,104 @@
 
 namespace nanoweft {
 
+namespace {
+
+/// Second segments lie anywhere: what will be read and written of them is fetched in time.
+NW_INLINE void fetchAhead(const PairJob& job, std::span<const ListPair> pairs, std::size_t first) {
+  constexpr std::size_t ahead = 64;
+  if (first + ahead + laneCount > pairs.size()) return;
+  for (std::size_t k = 0; k < laneCount; ++k) {
+    const auto partner = static_cast<std::size_t>(pairs[first + ahead + k].j);
+    __builtin_prefetch(job.pose + 8 * partner);
+    __builtin_prefetch(job.sum + partner, 1);
+  }
+}
+
+NW_INLINE Vec3<Lanes> separationOf(const PairJob& job, const std::int32_t* i,
+                                   const std::int32_t* j) {
+  return (*job.nearest)(gatherPositions(job.pose, j) - gatherPositions(job.pose, i));
+}
+
+/// The segments of a SIMD group of pairs; lanes beyond the last pair repeat it.
+NW_INLINE void segmentsOf(std::span<const ListPair> pairs, std::size_t first, std::int32_t* i,
+                          std::int32_t* j) {
+  static_assert(sizeof(ListPair) == sizeof(std::int64_t));
+  if (first + laneCount <= pairs.size()) return splitWords(&pairs[first], i, j);
+  for (std::size_t k = 0; k < laneCount; ++k) {
+    const ListPair& p = pairs[std::min(first + k, pairs.size() - 1)];
+    i[k] = p.i;
+    j[k] = p.j;
+  }
+}
+
+}  // namespace
+
+void PairBlock::fillUp() {
+  for (int n = count; n % laneCount; ++n) {
+    i[n] = i[n - 1];
+    j[n] = j[n - 1];
+    x[n] = x[n - 1];
+    y[n] = y[n - 1];
+    z[n] = z[n - 1];
+  }
+}
+
+void takeCore(const PairJob& job, std::size_t first, PairBlock& block) {
+  block.count =
+      static_cast<int>(std::min<std::size_t>(PairBlock::capacity, job.core.size() - first));
+  for (int k = 0; k < block.count; k += laneCount) {
+    const std::size_t place = first + static_cast<std::size_t>(k);
+    fetchAhead(job, job.core, place);
+    segmentsOf(job.core, place, block.i + k, block.j + k);
+    const Vec3<Lanes> d = separationOf(job, block.i + k, block.j + k);
+    d.x.copy_to(block.x + k, stdx::element_aligned);
+    d.y.copy_to(block.y + k, stdx::element_aligned);
+    d.z.copy_to(block.z + k, stdx::element_aligned);
+  }
+}
+
 PairSift::PairSift(const PairJob& job, const Switch& blend, double reach)
     : job_(job),
       from2_(blend.from * blend.from),
       to2_(blend.to * blend.to),
       reach2_(reach * reach),
       blends_(std::isfinite(blend.to)) {
-  if (job_.kept) job_.kept->clear();
+  if (!job.drawn) return;
+  job.drawn->core.clear();
+  job.drawn->rim.clear();
+  // Of the core all have to be near until the next drawing; out of reach they would do no harm.
+  const double core = std::min(reach, blend.from - (job.drawnRange - reach));
+  core2_ = core > 0 ? core * core : 0.0;
+  drawn2_ = job.drawnRange * job.drawnRange;
 }
 
-void PairSift::keep(unsigned chosen, std::size_t first) {
+void PairSift::draw(std::vector<ListPair>& to, unsigned chosen, std::size_t first) {
   static_assert(sizeof(ListPair) == sizeof(double));
   alignas(64) double pairs[laneCount] = {}, packed[laneCount];
-  std::memcpy(pairs, job_.pairs + first,
-              std::min<std::size_t>(laneCount, job_.count - first) * sizeof(double));
+  std::memcpy(pairs, &job_.pairs[first],
+              std::min<std::size_t>(laneCount, job_.pairs.size() - first) * sizeof(double));
   packLanes(chosen, Lanes(pairs, stdx::element_aligned), packed);
   ListPair some[laneCount];
   std::memcpy(static_cast<void*>(some), packed, sizeof some);
-  job_.kept->insert(job_.kept->end(), some, some + std::popcount(chosen));
+  to.insert(to.end(), some, some + std::popcount(chosen));
 }
 
 void PairSift::sift(std::size_t first) {
-  const std::size_t used = std::min<std::size_t>(laneCount, job_.count - first);
+  const std::size_t used = std::min<std::size_t>(laneCount, job_.pairs.size() - first);
   alignas(64) std::int32_t i[laneCount], j[laneCount];
-  // Second segments lie anywhere: what will be read and written of them is fetched in time.
-  if (constexpr std::size_t ahead = 64; first + ahead + laneCount <= job_.count)
-    for (std::size_t k = 0; k < laneCount; ++k) {
-      const auto partner = static_cast<std::size_t>(job_.pairs[first + ahead + k].j);
-      __builtin_prefetch(job_.pose + 8 * partner);
-      __builtin_prefetch(job_.sum + partner, 1);
-    }
-  if (used == laneCount) {
-    for (std::size_t k = 0; k < laneCount; ++k) {
-      i[k] = job_.pairs[first + k].i;
-      j[k] = job_.pairs[first + k].j;
-    }
-  } else {
-    for (std::size_t k = 0; k < laneCount; ++k) {
-      i[k] = job_.pairs[first + std::min(k, used - 1)].i;
-      j[k] = job_.pairs[first + std::min(k, used - 1)].j;
-    }
-  }
-  const Vec3<Lanes> d =
-      (*job_.nearest)(gatherPositions(job_.pose, j) - gatherPositions(job_.pose, i));
+  fetchAhead(job_, job_.pairs, first);
+  segmentsOf(job_.pairs, first, i, j);
+  const Vec3<Lanes> d = separationOf(job_, i, j);
   const Lanes r2 = dot(d, d);
   const unsigned valid = (1u << used) - 1;
-  if (job_.kept) keep(lanesBelow(r2, job_.keepRange * job_.keepRange) & valid, first);
+  if (job_.drawn) {
+    const unsigned core = lanesBelow(r2, core2_) & valid;
+    draw(job_.drawn->core, core, first);
+    draw(job_.drawn->rim, lanesBelow(r2, drawn2_) & valid & ~core, first);
+  }
   const unsigned inNear = lanesBelow(r2, from2_) & valid, inBlend = lanesBelow(r2, to2_) & valid,
                  inReach = lanesBelow(r2, reach2_) & valid;
+  if (!inReach) return;
   auto pack = [&](Class which, unsigned chosen) {
     PairBlock& b = blocks_[which];
     packLanes(chosen, i, b.i + b.count);
@@ -74,13 +124,7 @@ void PairSift::sift(std::size_t first) {
 
 const PairBlock* PairSift::handOut(Class which, Class& result) {
   PairBlock& b = blocks_[which];
-  for (int n = b.count; n % laneCount; ++n) {
-    b.i[n] = b.i[n - 1];
-    b.j[n] = b.j[n - 1];
-    b.x[n] = b.x[n - 1];
-    b.y[n] = b.y[n - 1];
-    b.z[n] = b.z[n - 1];
-  }
+  b.fillUp();
   given_ = which;
   result = which;
   return &b;
@@ -88,7 +132,7 @@ const PairBlock* PairSift::handOut(Class which, Class& result) {
 
 const PairBlock* PairSift::next(Class& which) {
   blocks_[given_].count = 0;
-  for (; place_ < job_.count; place_ += laneCount) {
+  for (; place_ < job_.pairs.size(); place_ += laneCount) {
     for (Class c : {near, blended, far})
       if (blocks_[c].count > PairBlock::capacity - 2 * laneCount) return handOut(c, which);
     sift(place_);

@@ -174,8 +174,7 @@ NW_INLINE Doubles8 loadHalves(const double* low, const double* high) {
 #endif
 }
 
-/// Columns k .. k+3 of four groups of rows, transposed in 256-bit halves: lanes l and l+4 travel
-/// together. (By value: arrays would be written to memory.)
+/// Columns k .. k+3 of four groups of rows. (By value: arrays would be written to memory.)
 template <int columns, std::size_t k, class Combine, class Group>
 NW_INLINE void transposeGroup(Group r0, Group r1, Group r2, Group r3,
                               std::array<Lanes, columns>& c) {
@@ -204,10 +203,10 @@ struct Combine8 {
     return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
   }
   NW_INLINE static G even(G a, G b) {
-    return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
+    return __builtin_shufflevector(a, b, 0, 1, 4, 5, 8, 9, 12, 13);
   }
   NW_INLINE static G odd(G a, G b) {
-    return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+    return __builtin_shufflevector(a, b, 2, 3, 6, 7, 10, 11, 14, 15);
   }
 };
 
@@ -220,12 +219,13 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, Place place) 
   using namespace detail;
   std::array<Lanes, columns> c;
   if constexpr (laneCount == 8) {
-    auto row = [&](std::size_t l, int first) {
-      return loadHalves(table + place(l) + first, table + place(l + 4) + first);
+    // Lanes in couples such that quarters of registers can be put together as they are.
+    auto rows = [&](std::size_t l, int first) {
+      return loadHalves(table + place(l) + first, table + place(l + 2) + first);
     };
-    transposeGroup<columns, 0, Combine8>(row(0, 0), row(1, 0), row(2, 0), row(3, 0), c);
+    transposeGroup<columns, 0, Combine8>(rows(0, 0), rows(1, 0), rows(4, 0), rows(5, 0), c);
     if constexpr (columns > 4)
-      transposeGroup<columns, 4, Combine8>(row(0, 4), row(1, 4), row(2, 4), row(3, 4), c);
+      transposeGroup<columns, 4, Combine8>(rows(0, 4), rows(1, 4), rows(4, 4), rows(5, 4), c);
   } else if constexpr (laneCount == 4) {
     auto row = [&](std::size_t l, int first) {
       return loadVector<Doubles4>(table + place(l) + first);
@@ -292,6 +292,18 @@ NW_INLINE void toRows(const Integers* column, Row* row) {
       row[k] = r;
     }
   }
+}
+
+/// The lower and the upper halves of `laneCount` 64-bit words.
+NW_INLINE void splitWords(const void* words, std::int32_t* lower, std::int32_t* upper) {
+  static_assert(std::endian::native == std::endian::little);
+  typedef std::int32_t Halves __attribute__((vector_size(sizeof(Lanes) / 2)));
+  LaneIntegers all;
+  std::memcpy(&all, words, sizeof all);
+  const Halves low = __builtin_convertvector(all, Halves),
+               high = __builtin_convertvector(all >> 32, Halves);
+  std::memcpy(lower, &low, sizeof low);
+  std::memcpy(upper, &high, sizeof high);
 }
 
 /// Nearest integers of numbers below 2^62.

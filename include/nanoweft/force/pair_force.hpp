@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ struct ListPair {
   std::int32_t i, j;
 };
 
+/// Pairs drawn from a list, for the steps to come.
+struct DrawnPairs {
+  std::vector<ListPair> core;  ///< in reach when drawn: resolved without looking at their distance
+  std::vector<ListPair> rim;   ///< those that may be in reach before the next drawing
+};
+
 /// Viscous damping of interacting pairs (physics.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
 struct ViscousDamping {
   double linear = 0, angular = 0;
@@ -37,11 +44,11 @@ struct ViscousDamping {
 /// multiples of the force's units, so their order does not matter.
 struct PairJob {
   const double* pose;  ///< [8] a segment
-  const ListPair* pairs;
-  std::size_t count;
-  /// When given, becomes the list of those pairs whose centres are within `keepRange`.
-  std::vector<ListPair>* kept = nullptr;
-  double keepRange = 0;
+  std::span<const ListPair> core;   ///< as of DrawnPairs
+  std::span<const ListPair> pairs;  ///< those within reach are resolved
+  /// When given, `pairs` whose centres are within `drawnRange` are put there.
+  DrawnPairs* drawn = nullptr;
+  double drawnRange = 0;
   std::int32_t begin, end;
   ForceSum* sum;
   const MinimumImage* nearest;

@@ -18,14 +18,12 @@ template <class V>
 struct PairResult {
   V energy{};
   Vec3<V> force, torqueI, torqueJ;
-  decltype(V() < V()) touching{false};  ///< some points are within the cutoff
 };
 
 /// Sums of f, sa f, sb f and sa sb f, and of the energies, over the points of a pair.
 template <class V>
 struct PointSums {
   V f{}, a{}, b{}, ab{}, energy{};
-  V closest2 = number<V>(std::numeric_limits<float>::max());  ///< of two points, squared
 };
 
 /// How the two axes of a pair lie: all that distances of their points depend on.
@@ -39,6 +37,18 @@ NW_INLINE PairShape<V> shapeOf(const Vec3<V>& separation, const Vec3<V>& ei, con
   return {dot(separation, separation), dot(separation, ei), dot(separation, ej), dot(ei, ej)};
 }
 
+/// Where a point lies along its segment.
+template <int N>
+NW_INLINE double pointPlace(int k, double length) {
+  return (k - 0.5 * (N - 1)) / N * length;
+}
+
+template <class V>
+NW_INLINE V squaredDistance(const PairShape<V>& shape, double sa, double sb) {
+  const V from2 = shape.center2 + sa * (sa - 2.0 * shape.alongI);
+  return from2 + sb * (sb + 2.0 * (shape.alongJ - sa * shape.cosine));
+}
+
 /// Distances of points follow from dot products, so that a point pair costs little more than its
 /// force. With Law::couples, points of j on both sides of its centre are taken together and share
 /// most of the sums.
@@ -46,7 +56,6 @@ template <bool Energies, int N, class Law, class V>
 NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<V>& shape) {
   PointSums<V> sums;
   auto forceAt = [&](const V& r2) __attribute__((always_inline)) {
-    sums.closest2 = smaller(r2, sums.closest2);
     // Law values beyond the cutoff are zero, so no lane needs a mask.
     if constexpr (Energies) {
       const PairValue<V> value = law(r2);
@@ -56,7 +65,7 @@ NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<
       return law.slope(r2);
     }
   };
-  auto place = [&](int k) { return (k - 0.5 * (N - 1)) / N * length; };
+  auto place = [&](int k) { return pointPlace<N>(k, length); };
 #pragma GCC unroll 3
   for (int a = 0; a < N; ++a) {
     const double sa = place(a);
@@ -94,11 +103,10 @@ NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<
 
 /// Force and torques of the means over N x N points.
 template <int N, class V>
-NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, double cutoff2,
-                                 const Vec3<V>& separation, const Vec3<V>& ei, const Vec3<V>& ej) {
+NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const Vec3<V>& separation,
+                                 const Vec3<V>& ei, const Vec3<V>& ej) {
   PairResult<V> result;
   const V share(1.0 / (N * N)), f = share * sums.f;
-  result.touching = sums.closest2 < V(cutoff2);
   result.energy = share * sums.energy;
   if constexpr (N > 1) {
     const V a = share * sums.a, b = share * sums.b, ab = share * sums.ab;
@@ -112,38 +120,10 @@ NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, double cutoff2,
   return result;
 }
 
-template <bool Energies, int N, class Law, class V>
-NW_INLINE PairResult<V> resolvePair(const Law& law, double length, const Vec3<V>& separation,
-                                    const Vec3<V>& ei, const Vec3<V>& ej) {
-  const auto sums = sumPoints<Energies, N>(law, length, shapeOf(separation, ei, ej));
-  return assemble<N>(sums, law.cutoff2(), separation, ei, ej);
-}
-
-/// What the kernels of a law share: segment length and the units of the integer sums.
+/// What the kernels of a law share: segment length, cutoff, and the units of the integer sums.
 struct KernelUnits {
-  double length, force, torque;
+  double length, cutoff, force, torque;
 };
-
-/// Viscous forces of a pair in reach (physics.md 5). Not inlined: seldom used, it would take
-/// registers from the rest.
-[[gnu::noinline]] inline void addViscous(const PairJob& job, const KernelUnits& units,
-                                         std::int32_t i, std::int32_t j) {
-  const bool mineI = i >= job.begin && i < job.end, mineJ = j >= job.begin && j < job.end;
-  for (int c = 0; c < 3; ++c) {
-    const auto f = std::llrint(job.viscous.linear *
-                               (job.velocity[3 * j + c] - job.velocity[3 * i + c]) / units.force);
-    const auto t = std::llrint(job.viscous.angular *
-                               (job.angular[3 * j + c] - job.angular[3 * i + c]) / units.torque);
-    if (mineI) {
-      job.viscousSum[6 * i + c] += f;
-      job.viscousSum[6 * i + 3 + c] += t;
-    }
-    if (mineJ) {
-      job.viscousSum[6 * j + c] -= f;
-      job.viscousSum[6 * j + 3 + c] -= t;
-    }
-  }
-}
 
 /// A SIMD group of a block's pairs.
 template <int N>
@@ -163,6 +143,40 @@ struct PairGroup {
     }
   }
 };
+
+/// Viscous forces of those pairs of a group of which points are within the cutoff (physics.md 5).
+/// Not inlined: seldom used, it would take registers from the rest.
+template <int N>
+[[gnu::noinline]] void addViscous(const PairJob& job, const KernelUnits& units,
+                                  const PairGroup<N>& group) {
+  const auto shape = shapeOf(group.separation, group.ei, group.ej);
+  Lanes closest2(std::numeric_limits<double>::infinity());
+  for (int a = 0; a < N; ++a)
+    for (int b = 0; b < N; ++b) {
+      const double sa = pointPlace<N>(a, units.length), sb = pointPlace<N>(b, units.length);
+      closest2 = smaller(squaredDistance(shape, sa, sb), closest2);
+    }
+  const unsigned touching = lanesBelow(closest2, units.cutoff * units.cutoff);
+  for (int k = 0; k < group.used; ++k) {
+    if (!(touching >> k & 1)) continue;
+    const std::int32_t i = group.i[k], j = group.j[k];
+    const bool mineI = i >= job.begin && i < job.end, mineJ = j >= job.begin && j < job.end;
+    for (int c = 0; c < 3; ++c) {
+      const auto f = std::llrint(job.viscous.linear *
+                                 (job.velocity[3 * j + c] - job.velocity[3 * i + c]) / units.force);
+      const auto t = std::llrint(job.viscous.angular *
+                                 (job.angular[3 * j + c] - job.angular[3 * i + c]) / units.torque);
+      if (mineI) {
+        job.viscousSum[6 * i + c] += f;
+        job.viscousSum[6 * i + 3 + c] += t;
+      }
+      if (mineJ) {
+        job.viscousSum[6 * j + c] -= f;
+        job.viscousSum[6 * j + 3 + c] -= t;
+      }
+    }
+  }
+}
 
 /// Adds pairs to the sums of a block's job.
 template <bool Energies, int N>
@@ -198,10 +212,7 @@ struct PairAdder {
         if (share.owns(group.i[k]))
           tally.energy.add(pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
     // A blended pair comes twice; its damping acts once.
-    if (job.viscousSum && weight.kind != Weight::rising)
-      for (int k = 0; k < group.used; ++k)
-        if (pair.touching[static_cast<std::size_t>(k)])
-          addViscous(job, units, group.i[k], group.j[k]);
+    if (job.viscousSum && weight.kind != Weight::rising) addViscous(job, units, group);
   }
 };
 
@@ -214,8 +225,10 @@ void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
   PairAdder<Energies, N> add{units, weight, job, tally};
   for (int first = 0; first < block.count; first += laneCount) {
     const PairGroup<N> group(block, job, first);
-    auto pair = resolvePair<Energies, N>(law, units.length, group.separation, group.ei, group.ej);
-    if (anyOf(pair.touching)) add(group, pair);
+    const auto shape = shapeOf(group.separation, group.ei, group.ej);
+    const auto sums = sumPoints<Energies, N>(law, units.length, shape);
+    auto pair = assemble<N>(sums, group.separation, group.ei, group.ej);
+    add(group, pair);
   }
 }
 
@@ -246,10 +259,9 @@ void addBlockSingle(const Law& shared, const KernelUnits& units, const Weight& w
     for (int k = 0; k < count; ++k) {
       PointSums<Lanes> part{half(sums.f, k), half(sums.a, k), half(sums.b, k), half(sums.ab, k)};
       if constexpr (Energies) part.energy = half(sums.energy, k);
-      part.closest2 = half(sums.closest2, k);
       const PairGroup<N>& group = groups[k];
-      auto pair = assemble<N>(part, law.cutoff2(), group.separation, group.ei, group.ej);
-      if (anyOf(pair.touching)) add(group, pair);
+      auto pair = assemble<N>(part, group.separation, group.ei, group.ej);
+      add(group, pair);
     }
   }
 }

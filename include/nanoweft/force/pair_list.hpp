@@ -32,19 +32,21 @@ class PairList {
              const std::vector<Share>& shares, double range, int exclude);
 
   /// A thread's pairs without ghosts, then those with.
-  struct ThreadPairs {
-    std::vector<ListPair> inner, outer;
+  template <class Pairs>
+  struct Parts {
+    Pairs inner, outer;
   };
-  const std::vector<ThreadPairs>& threads() const { return threads_; }
+  const std::vector<Parts<std::vector<ListPair>>>& threads() const { return threads_; }
   /// Those of them that a step has to look at.
-  std::vector<ThreadPairs>& present() { return present_; }
+  std::vector<Parts<DrawnPairs>>& drawn() { return drawn_; }
   std::int64_t size() const;
   /// Adds to each owned segment half of a pair for each that it is in, as it would be if all
   /// segments were owned.
   void count(std::vector<double>& pairs) const;
 
  private:
-  std::vector<ThreadPairs> threads_, present_;
+  std::vector<Parts<std::vector<ListPair>>> threads_;
+  std::vector<Parts<DrawnPairs>> drawn_;
   std::vector<Share> shares_;
 };
 

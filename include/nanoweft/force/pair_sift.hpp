@@ -4,7 +4,7 @@
 ///
 ///     U = (1 - w) U_n + w U_m,   w = 0 below Blend::from, 1 beyond Blend::to, C2 between.
 ///
-/// On the way a shorter list can be made, for the steps to come.
+/// On the way pairs can be drawn, for the steps to come.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,12 @@ struct PairBlock {
     auto load = [&](const double* from) { return Lanes(from + first, stdx::element_aligned); };
     return {load(x), load(y), load(z)};
   }
+  /// Fills up the last SIMD group with repetitions of a pair, which do not count.
+  void fillUp();
 };
+
+/// The next pairs of a job's core, from its place `first` on.
+void takeCore(const PairJob& job, std::size_t first, PairBlock& block);
 
 /// What a pair's energy is multiplied with: nothing, 1 - w or w of its centre distance.
 struct Weight {
@@ -57,17 +62,17 @@ class PairSift {
   /// `blend`: where fewer points take over; at infinity when they do not.
   PairSift(const PairJob& job, const Switch& blend, double reach);
 
-  /// The next block and its class, filled up to whole SIMD groups with repetitions that do not
-  /// count; nothing when all pairs have been handed out.
+  /// The next block and its class, filled up; nothing when all pairs have been handed out.
   const PairBlock* next(Class& which);
 
  private:
   void sift(std::size_t first);
-  void keep(unsigned chosen, std::size_t first);
+  void draw(std::vector<ListPair>& to, unsigned chosen, std::size_t first);
   const PairBlock* handOut(Class which, Class& result);
 
   const PairJob& job_;
   double from2_, to2_, reach2_;
+  double core2_ = 0, drawn2_ = 0;  ///< squared ranges of the drawn pairs
   bool blends_;
   std::size_t place_ = 0;
   Class given_ = near;
