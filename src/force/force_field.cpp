@@ -127,16 +127,11 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   auto pairJob = [&](std::size_t t, bool outer) {
     PairJob job;
     job.pose = state.pose;
-    auto& drawn = outer ? pairs_.drawn()[t].outer : pairs_.drawn()[t].inner;
-    if (sifting) {
-      job.pairs = outer ? pairs_.threads()[t].outer : pairs_.threads()[t].inner;
-      job.drawn = &drawn;
-      // A little wider, since the estimate of the stable step displaces what it evaluates.
-      job.drawnRange = pair->reach() + 1.001 * margin_;
-    } else {
-      job.core = drawn.core;
-      job.pairs = drawn.rim;
-    }
+    job.listed = outer ? pairs_.threads()[t].outer : pairs_.threads()[t].inner;
+    job.drawn = outer ? &pairs_.drawn()[t].outer : &pairs_.drawn()[t].inner;
+    job.draws = sifting;
+    // A little wider, since the estimate of the stable step displaces what it evaluates.
+    job.drawnRange = pair->reach() + 1.001 * margin_;
     job.begin = shares_[t].begin;
     job.end = shares_[t].end;
     job.sum = sums_.data();

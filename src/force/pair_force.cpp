@@ -78,27 +78,51 @@ class PairForceOf final : public PairForce {
         kernels[which][withEnergies](law_, units, weight, block, job, tally);
       tally.pointPairs += static_cast<std::int64_t>(points) * points * block.count;
     };
-    for (std::size_t first = 0; first < job.core.size(); first += PairBlock::capacity) {
-      PairBlock block;
-      takeCore(job, first, block);
-      tally.resolved += block.count;
-      resolve(points_.near, energies, Weight::whole, block);
-    }
     PairSift sift(job, points_.blend, reach_);
-    PairSift::Class which;
-    while (const PairBlock* block = sift.next(which)) {
-      tally.resolved += block->count;
-      switch (which) {
-        case PairSift::near:
-          resolve(points_.near, energies, Weight::whole, *block);
-          break;
-        case PairSift::blended:  // the force needs the energies too
-          resolve(points_.near, true, Weight::fading, *block);
-          resolve(points_.far, true, Weight::rising, *block);
-          break;
-        default:
-          resolve(points_.far, energies, Weight::whole, *block);
+    auto sifted = [&](std::span<const ListPair> pairs, bool last) {
+      sift.goOn(pairs);
+      PairSift::Class which;
+      while (const PairBlock* block = sift.next(which, last)) {
+        tally.resolved += block->count;
+        switch (which) {
+          case PairSift::near:
+            resolve(points_.near, energies, Weight::whole, *block);
+            break;
+          case PairSift::blended:  // the force needs the energies too
+            resolve(points_.near, true, Weight::fading, *block);
+            resolve(points_.far, true, Weight::rising, *block);
+            break;
+          default:
+            resolve(points_.far, energies, Weight::whole, *block);
+        }
       }
+    };
+    auto unsifted = [&](std::span<const ListPair> pairs) {
+      PairBlock block;
+      for (; !pairs.empty(); pairs = pairs.subspan(static_cast<std::size_t>(block.count))) {
+        takeAll(job, pairs, block);
+        tally.resolved += block.count;
+        resolve(points_.near, energies, Weight::whole, block);
+      }
+    };
+    if (!job.drawn) return sifted(job.listed, true);
+    // Far shorter than what the second cache holds, far longer than a block.
+    constexpr std::size_t stretch = 4096;
+    if (job.draws) {
+      job.drawn->ends.clear();
+      for (std::size_t first = 0; first < job.listed.size(); first += stretch) {
+        const std::size_t count = std::min(stretch, job.listed.size() - first);
+        sifted(job.listed.subspan(first, count), first + count == job.listed.size());
+        job.drawn->ends.push_back({job.drawn->core.size(), job.drawn->rim.size()});
+      }
+      return;
+    }
+    const std::span<const ListPair> core = job.drawn->core, rim = job.drawn->rim;
+    DrawnPairs::Stretch begin{0, 0};
+    for (const auto& end : job.drawn->ends) {
+      unsifted(core.subspan(begin.core, end.core - begin.core));
+      sifted(rim.subspan(begin.rim, end.rim - begin.rim), end.rim == rim.size());
+      begin = end;
     }
   }
 

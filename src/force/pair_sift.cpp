@@ -12,11 +12,11 @@ namespace nanoweft {
 namespace {
 
 /// Second segments lie anywhere: what will be read and written of them is fetched in time.
-NW_INLINE void fetchAhead(const PairJob& job, std::span<const ListPair> pairs, std::size_t first) {
+NW_INLINE void fetchAhead(const PairJob& job, std::span<const ListPair> pairs) {
   constexpr std::size_t ahead = 64;
-  if (first + ahead + laneCount > pairs.size()) return;
+  if (ahead + laneCount > pairs.size()) return;
   for (std::size_t k = 0; k < laneCount; ++k) {
-    const auto partner = static_cast<std::size_t>(pairs[first + ahead + k].j);
+    const auto partner = static_cast<std::size_t>(pairs[ahead + k].j);
     __builtin_prefetch(job.pose + 8 * partner);
     __builtin_prefetch(job.sum + partner, 1);
   }
@@ -28,12 +28,11 @@ NW_INLINE Vec3<Lanes> separationOf(const PairJob& job, const std::int32_t* i,
 }
 
 /// The segments of a SIMD group of pairs; lanes beyond the last pair repeat it.
-NW_INLINE void segmentsOf(std::span<const ListPair> pairs, std::size_t first, std::int32_t* i,
-                          std::int32_t* j) {
+NW_INLINE void segmentsOf(std::span<const ListPair> pairs, std::int32_t* i, std::int32_t* j) {
   static_assert(sizeof(ListPair) == sizeof(std::int64_t));
-  if (first + laneCount <= pairs.size()) return splitWords(&pairs[first], i, j);
+  if (pairs.size() >= laneCount) return splitWords(pairs.data(), i, j);
   for (std::size_t k = 0; k < laneCount; ++k) {
-    const ListPair& p = pairs[std::min(first + k, pairs.size() - 1)];
+    const ListPair& p = pairs[std::min(k, pairs.size() - 1)];
     i[k] = p.i;
     j[k] = p.j;
   }
@@ -51,13 +50,12 @@ void PairBlock::fillUp() {
   }
 }
 
-void takeCore(const PairJob& job, std::size_t first, PairBlock& block) {
-  block.count =
-      static_cast<int>(std::min<std::size_t>(PairBlock::capacity, job.core.size() - first));
+void takeAll(const PairJob& job, std::span<const ListPair> pairs, PairBlock& block) {
+  block.count = static_cast<int>(std::min<std::size_t>(PairBlock::capacity, pairs.size()));
   for (int k = 0; k < block.count; k += laneCount) {
-    const std::size_t place = first + static_cast<std::size_t>(k);
-    fetchAhead(job, job.core, place);
-    segmentsOf(job.core, place, block.i + k, block.j + k);
+    const auto rest = pairs.subspan(static_cast<std::size_t>(k));
+    fetchAhead(job, rest);
+    segmentsOf(rest, block.i + k, block.j + k);
     const Vec3<Lanes> d = separationOf(job, block.i + k, block.j + k);
     d.x.copy_to(block.x + k, stdx::element_aligned);
     d.y.copy_to(block.y + k, stdx::element_aligned);
@@ -71,7 +69,7 @@ PairSift::PairSift(const PairJob& job, const Switch& blend, double reach)
       to2_(blend.to * blend.to),
       reach2_(reach * reach),
       blends_(std::isfinite(blend.to)) {
-  if (!job.drawn) return;
+  if (!job.draws) return;
   job.drawn->core.clear();
   job.drawn->rim.clear();
   // Of the core all have to be near until the next drawing; out of reach they would do no harm.
@@ -80,30 +78,31 @@ PairSift::PairSift(const PairJob& job, const Switch& blend, double reach)
   drawn2_ = job.drawnRange * job.drawnRange;
 }
 
-void PairSift::draw(std::vector<ListPair>& to, unsigned chosen, std::size_t first) {
+void PairSift::draw(std::vector<ListPair>& to, unsigned chosen) {
   static_assert(sizeof(ListPair) == sizeof(double));
   alignas(64) double pairs[laneCount] = {}, packed[laneCount];
-  std::memcpy(pairs, &job_.pairs[first],
-              std::min<std::size_t>(laneCount, job_.pairs.size() - first) * sizeof(double));
+  std::memcpy(pairs, pairs_.data(),
+              std::min<std::size_t>(laneCount, pairs_.size()) * sizeof(double));
   packLanes(chosen, Lanes(pairs, stdx::element_aligned), packed);
   ListPair some[laneCount];
   std::memcpy(static_cast<void*>(some), packed, sizeof some);
   to.insert(to.end(), some, some + std::popcount(chosen));
 }
 
-void PairSift::sift(std::size_t first) {
-  const std::size_t used = std::min<std::size_t>(laneCount, job_.pairs.size() - first);
+void PairSift::sift() {
+  const std::size_t used = std::min<std::size_t>(laneCount, pairs_.size());
   alignas(64) std::int32_t i[laneCount], j[laneCount];
-  fetchAhead(job_, job_.pairs, first);
-  segmentsOf(job_.pairs, first, i, j);
+  fetchAhead(job_, pairs_);
+  segmentsOf(pairs_, i, j);
   const Vec3<Lanes> d = separationOf(job_, i, j);
   const Lanes r2 = dot(d, d);
   const unsigned valid = (1u << used) - 1;
-  if (job_.drawn) {
+  if (job_.draws) {
     const unsigned core = lanesBelow(r2, core2_) & valid;
-    draw(job_.drawn->core, core, first);
-    draw(job_.drawn->rim, lanesBelow(r2, drawn2_) & valid & ~core, first);
+    draw(job_.drawn->core, core);
+    draw(job_.drawn->rim, lanesBelow(r2, drawn2_) & valid & ~core);
   }
+  pairs_ = pairs_.subspan(used);
   const unsigned inNear = lanesBelow(r2, from2_) & valid, inBlend = lanesBelow(r2, to2_) & valid,
                  inReach = lanesBelow(r2, reach2_) & valid;
   if (!inReach) return;
@@ -125,18 +124,20 @@ void PairSift::sift(std::size_t first) {
 const PairBlock* PairSift::handOut(Class which, Class& result) {
   PairBlock& b = blocks_[which];
   b.fillUp();
-  given_ = which;
+  given_ = &b;
   result = which;
   return &b;
 }
 
-const PairBlock* PairSift::next(Class& which) {
-  blocks_[given_].count = 0;
-  for (; place_ < job_.pairs.size(); place_ += laneCount) {
+const PairBlock* PairSift::next(Class& which, bool last) {
+  if (given_) given_->count = 0;
+  given_ = nullptr;
+  while (!pairs_.empty()) {
     for (Class c : {near, blended, far})
       if (blocks_[c].count > PairBlock::capacity - 2 * laneCount) return handOut(c, which);
-    sift(place_);
+    sift();
   }
+  if (!last) return nullptr;
   for (Class c : {near, blended, far})
     if (blocks_[c].count > 0) return handOut(c, which);
   return nullptr;

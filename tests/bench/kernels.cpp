@@ -68,7 +68,7 @@ void pairResolution(benchmark::State& state, const char* options) {
   const MinimumImage nearest{Box{}};
   PairJob job;
   job.pose = scene.pose.data();
-  job.pairs = scene.pairs;
+  job.listed = scene.pairs;
   job.begin = 0;
   job.end = static_cast<std::int32_t>(scene.pose.size() / 8);
   job.sum = scene.sums.data();
@@ -77,11 +77,10 @@ void pairResolution(benchmark::State& state, const char* options) {
   // Drawn once, as it is for ten steps or more.
   DrawnPairs drawn;
   job.drawn = &drawn;
+  job.draws = true;
   job.drawnRange = force->reach() + 1.0;
   force->add(job, false, tally);
-  job.drawn = nullptr;
-  job.core = drawn.core;
-  job.pairs = drawn.rim;
+  job.draws = false;
   for (auto _ : state) {
     force->add(job, false, tally);
     benchmark::DoNotOptimize(scene.sums.data());

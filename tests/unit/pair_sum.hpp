@@ -46,7 +46,7 @@ inline Sum evaluate(const PairForce& force, const std::vector<Pose>& segments) {
   const MinimumImage nearest{Box{}};
   PairJob job;
   job.pose = pose.data();
-  job.pairs = pairs;
+  job.listed = pairs;
   job.begin = 0;
   job.end = n;
   job.sum = sum.data();

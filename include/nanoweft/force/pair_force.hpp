@@ -32,6 +32,12 @@ struct ListPair {
 struct DrawnPairs {
   std::vector<ListPair> core;  ///< in reach when drawn: resolved without looking at their distance
   std::vector<ListPair> rim;   ///< those that may be in reach before the next drawing
+  /// Both end here for one stretch of the list after the other: they are resolved together, since
+  /// their segments are in the cache.
+  struct Stretch {
+    std::size_t core, rim;
+  };
+  std::vector<Stretch> ends;
 };
 
 /// Viscous damping of interacting pairs (physics.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
@@ -44,10 +50,11 @@ struct ViscousDamping {
 /// multiples of the force's units, so their order does not matter.
 struct PairJob {
   const double* pose;  ///< [8] a segment
-  std::span<const ListPair> core;   ///< as of DrawnPairs
-  std::span<const ListPair> pairs;  ///< those within reach are resolved
-  /// When given, `pairs` whose centres are within `drawnRange` are put there.
+  std::span<const ListPair> listed;  ///< those within reach are resolved
+  /// With `draws`, listed pairs whose centres are within `drawnRange` are put here; else these are
+  /// resolved instead.
   DrawnPairs* drawn = nullptr;
+  bool draws = false;
   double drawnRange = 0;
   std::int32_t begin, end;
   ForceSum* sum;

@@ -101,29 +101,33 @@ NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<
   return sums;
 }
 
-/// Force and torques of the means over N x N points.
+/// What the kernels of a law share: segment length, cutoff, and the units of the integer sums,
+/// which are powers of two.
+struct KernelUnits {
+  double length, cutoff, force, torque;
+};
+
+/// Force and torques of the means over N x N points, in units of the sums; the energy in units of
+/// the force times one length. (Scaled with the few sums over points instead of all components;
+/// powers of two change no bits.)
 template <int N, class V>
-NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const Vec3<V>& separation,
-                                 const Vec3<V>& ei, const Vec3<V>& ej) {
+NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const KernelUnits& units,
+                                 const Vec3<V>& separation, const Vec3<V>& ei, const Vec3<V>& ej) {
   PairResult<V> result;
-  const V share(1.0 / (N * N)), f = share * sums.f;
-  result.energy = share * sums.energy;
+  constexpr double share = 1.0 / (N * N);
+  const V perForce(share / units.force), f = perForce * sums.f;
+  result.energy = perForce * sums.energy;
   if constexpr (N > 1) {
-    const V a = share * sums.a, b = share * sums.b, ab = share * sums.ab;
-    result.force = f * separation - a * ei + b * ej;
-    result.torqueI = cross(ei, a * separation + ab * ej);
-    result.torqueJ = cross(ej, ab * ei - b * separation);
+    const V perTorque(share / units.torque), ab = perTorque * sums.ab;
+    result.force = f * separation - V(perForce * sums.a) * ei + V(perForce * sums.b) * ej;
+    result.torqueI = cross(ei, V(perTorque * sums.a) * separation + ab * ej);
+    result.torqueJ = cross(ej, ab * ei - V(perTorque * sums.b) * separation);
   } else {
     result.force = f * separation;
     result.torqueI = result.torqueJ = {V(0.0), V(0.0), V(0.0)};
   }
   return result;
 }
-
-/// What the kernels of a law share: segment length, cutoff, and the units of the integer sums.
-struct KernelUnits {
-  double length, cutoff, force, torque;
-};
 
 /// A SIMD group of a block's pairs.
 template <int N>
@@ -188,29 +192,28 @@ struct PairAdder {
   ForceSum others{};
 
   NW_INLINE void operator()(const PairGroup<N>& group, PairResult<Lanes>& pair) {
-    const Lanes perForce(1.0 / units.force), perTorque(1.0 / units.torque);
     const SumShare share{job.sum, job.begin, job.end, &others};
     if constexpr (Energies) weight.apply(group.separation, pair);
     Row onI[laneCount], onJ[laneCount];
-    auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v, const Lanes& scale) {
-      to[0] = nearestIntegers(v.x * scale);
-      to[1] = nearestIntegers(v.y * scale);
-      to[2] = nearestIntegers(v.z * scale);
+    auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v) {
+      to[0] = nearestIntegers(v.x);
+      to[1] = nearestIntegers(v.y);
+      to[2] = nearestIntegers(v.z);
     };
     constexpr int components = N > 1 ? 6 : 3;
     LaneIntegers component[6];
-    whole(component, pair.force, perForce);
-    if constexpr (N > 1) whole(component + 3, pair.torqueI, perTorque);
+    whole(component, pair.force);
+    if constexpr (N > 1) whole(component + 3, pair.torqueI);
     toRows<components>(component, onI);
     for (int c = 0; c < 3; ++c) component[c] = -component[c];
-    if constexpr (N > 1) whole(component + 3, pair.torqueJ, perTorque);
+    if constexpr (N > 1) whole(component + 3, pair.torqueJ);
     toRows<components>(component, onJ);
     for (int k = group.used; k < laneCount; ++k) onI[k] = onJ[k] = Row{};
     scatter(share, group.i, group.j, onI, onJ);
     if constexpr (Energies)
       for (int k = 0; k < group.used; ++k)
         if (share.owns(group.i[k]))
-          tally.energy.add(pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
+          tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
     // A blended pair comes twice; its damping acts once.
     if (job.viscousSum && weight.kind != Weight::rising) addViscous(job, units, group);
   }
@@ -227,7 +230,7 @@ void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
     const PairGroup<N> group(block, job, first);
     const auto shape = shapeOf(group.separation, group.ei, group.ej);
     const auto sums = sumPoints<Energies, N>(law, units.length, shape);
-    auto pair = assemble<N>(sums, group.separation, group.ei, group.ej);
+    auto pair = assemble<N>(sums, units, group.separation, group.ei, group.ej);
     add(group, pair);
   }
 }
@@ -260,7 +263,7 @@ void addBlockSingle(const Law& shared, const KernelUnits& units, const Weight& w
       PointSums<Lanes> part{half(sums.f, k), half(sums.a, k), half(sums.b, k), half(sums.ab, k)};
       if constexpr (Energies) part.energy = half(sums.energy, k);
       const PairGroup<N>& group = groups[k];
-      auto pair = assemble<N>(part, group.separation, group.ei, group.ej);
+      auto pair = assemble<N>(part, units, group.separation, group.ei, group.ej);
       add(group, pair);
     }
   }

@@ -32,8 +32,8 @@ struct PairBlock {
   void fillUp();
 };
 
-/// The next pairs of a job's core, from its place `first` on.
-void takeCore(const PairJob& job, std::size_t first, PairBlock& block);
+/// Pairs as they are, as many as a block holds.
+void takeAll(const PairJob& job, std::span<const ListPair> pairs, PairBlock& block);
 
 /// What a pair's energy is multiplied with: nothing, 1 - w or w of its centre distance.
 struct Weight {
@@ -62,20 +62,23 @@ class PairSift {
   /// `blend`: where fewer points take over; at infinity when they do not.
   PairSift(const PairJob& job, const Switch& blend, double reach);
 
-  /// The next block and its class, filled up; nothing when all pairs have been handed out.
-  const PairBlock* next(Class& which);
+  /// The pairs to go on with; those before have to be used up.
+  void goOn(std::span<const ListPair> pairs) { pairs_ = pairs; }
+  /// The next block and its class, filled up, or nothing. Pairs are held back until they fill a
+  /// block or are the `last` ones.
+  const PairBlock* next(Class& which, bool last);
 
  private:
-  void sift(std::size_t first);
-  void draw(std::vector<ListPair>& to, unsigned chosen, std::size_t first);
+  void sift();
+  void draw(std::vector<ListPair>& to, unsigned chosen);
   const PairBlock* handOut(Class which, Class& result);
 
   const PairJob& job_;
   double from2_, to2_, reach2_;
   double core2_ = 0, drawn2_ = 0;  ///< squared ranges of the drawn pairs
   bool blends_;
-  std::size_t place_ = 0;
-  Class given_ = near;
+  std::span<const ListPair> pairs_;
+  PairBlock* given_ = nullptr;  ///< handed out last
   PairBlock blocks_[3];
 };
 
