@@ -98,6 +98,14 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
   for (std::size_t first = 0; first < bonds.size(); first += laneCount) {
     const int used = static_cast<int>(std::min<std::size_t>(laneCount, bonds.size() - first));
     std::int32_t i[laneCount], j[laneCount];
+    // Segments lie cell by cell: what comes is fetched in time.
+    if (constexpr std::size_t ahead = 32; first + ahead + laneCount <= bonds.size())
+      for (std::size_t k = 0; k < laneCount; ++k) {
+        const auto next = static_cast<std::size_t>(bonds[first + ahead + k].j);
+        __builtin_prefetch(state.pose + 8 * next);
+        __builtin_prefetch(state.force + 3 * next, 1);
+        __builtin_prefetch(state.torque + 3 * next, 1);
+      }
     for (int k = 0; k < laneCount; ++k) {
       const Entry& e = bonds[first + static_cast<std::size_t>(std::min(k, used - 1))];
       i[k] = e.i;
