@@ -41,6 +41,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
   domain.rebuild(state, listRange(), std::max(listRange(), 2.0 * settings_.fibre.length),
                  rebuilds_ > 0 ? &work_ : nullptr);
   const CellIndex cells(state, domain.grid(), state.local());
+  // All sums are zero now but the spare ones, whose places may become a segment's.
+  if (!sums_.empty()) std::fill(sums_.end() - std::ssize(shares_), sums_.end(), ForceSum{});
   shares_ = shareSegments(state, domain.grid(), cells, settings_.threads);
   bonds_.build(state, domain, shares_, settings_.breakage);
   if (settings_.pair) {
@@ -49,9 +51,9 @@ void ForceField::rebuild(State& state, Domain& domain) {
     startSift(state);
     listed_ = reference_;
     const ForceSum* before = sums_.data();
-    sums_.resize(static_cast<std::size_t>(state.local()));
+    sums_.resize(static_cast<std::size_t>(state.owned()) + shares_.size());
     if (sums_.data() != before) preferHugePages(sums_.data(), sums_.capacity() * sizeof(ForceSum));
-    if (viscous()) viscousSums_.resize(6 * sums_.size());
+    if (viscous()) viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
   }
   noteWork(state, domain);
   ++rebuilds_;
@@ -134,6 +136,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     job.drawnRange = pair->reach() + 1.001 * margin_;
     job.begin = shares_[t].begin;
     job.end = shares_[t].end;
+    job.spare = state.owned() + static_cast<std::int32_t>(t);
     job.sum = sums_.data();
     job.nearest = &nearest_;
     if (viscousOn) {

@@ -88,6 +88,17 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const
   return shares;
 }
 
+void interleave(std::vector<ListPair>& pairs) {
+  constexpr std::size_t streams = 8, stretch = 32 * streams;
+  std::vector<ListPair> copy;
+  for (std::size_t first = 0; first < pairs.size(); first += stretch) {
+    const std::size_t length = std::min(stretch, pairs.size() - first) / streams;
+    ListPair* const to = &pairs[first];
+    copy.assign(to, to + length * streams);
+    for (std::size_t k = 0; k < copy.size(); ++k) to[k] = copy[k % streams * length + k / streams];
+  }
+}
+
 void PairList::build(const State& state, const CellGrid& grid, const CellIndex& cells,
                      const std::vector<Share>& shares, double range, int exclude) {
   const MinimumImage nearest(state.box);
@@ -142,6 +153,8 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
         (n.point < owned ? lists.inner : lists.outer).push_back(pair);
       });
     }
+    interleave(lists.inner);
+    interleave(lists.outer);
   }
 }
 

@@ -18,7 +18,7 @@ NW_INLINE void fetchAhead(const PairJob& job, std::span<const ListPair> pairs) {
   for (std::size_t k = 0; k < laneCount; ++k) {
     const auto partner = static_cast<std::size_t>(pairs[ahead + k].j);
     __builtin_prefetch(job.pose + 8 * partner);
-    __builtin_prefetch(job.sum + partner, 1);
+    __builtin_prefetch(job.sum + partner, 1);  // even if that of a ghost is not there
   }
 }
 
@@ -40,7 +40,7 @@ NW_INLINE void segmentsOf(std::span<const ListPair> pairs, std::int32_t* i, std:
 
 }  // namespace
 
-void PairBlock::fillUp() {
+void PairBlock::close(const PairJob& job) {
   for (int n = count; n % laneCount; ++n) {
     i[n] = i[n - 1];
     j[n] = j[n - 1];
@@ -48,6 +48,17 @@ void PairBlock::fillUp() {
     y[n] = y[n - 1];
     z[n] = z[n - 1];
   }
+  const LaneNumbers spare = LaneNumbers{} + job.spare;
+  auto place = [&](const std::int32_t* segments, std::int32_t* sums) {
+    for (int k = 0; k < count; k += laneCount) {
+      const LaneNumbers s = loadNumbers(segments + k);
+      const LaneNumbers places = (s >= job.begin) & (s < job.end) ? s : spare;
+      std::memcpy(sums + k, &places, sizeof places);
+    }
+    for (int n = count; n % laneCount; ++n) sums[n] = job.spare;
+  };
+  place(i, sumI);
+  place(j, sumJ);
 }
 
 void takeAll(const PairJob& job, std::span<const ListPair> pairs, PairBlock& block) {
@@ -61,6 +72,7 @@ void takeAll(const PairJob& job, std::span<const ListPair> pairs, PairBlock& blo
     d.y.copy_to(block.y + k, stdx::element_aligned);
     d.z.copy_to(block.z + k, stdx::element_aligned);
   }
+  block.close(job);
 }
 
 PairSift::PairSift(const PairJob& job, const Switch& blend, double reach)
@@ -123,7 +135,7 @@ void PairSift::sift() {
 
 const PairBlock* PairSift::handOut(Class which, Class& result) {
   PairBlock& b = blocks_[which];
-  b.fillUp();
+  b.close(job_);
   given_ = &b;
   result = which;
   return &b;

@@ -11,6 +11,7 @@
 #include "nanoweft/fibre/bond.hpp"
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_list.hpp"
 
 namespace {
 
@@ -50,7 +51,8 @@ struct Scene {
         }
         if (d2 < 63.28 * 63.28) pairs.push_back({i, j});
       }
-    sums.resize(pose.size() / 8);
+    interleave(pairs);
+    sums.resize(pose.size() / 8 + 1);
   }
 };
 
@@ -70,7 +72,7 @@ void pairResolution(benchmark::State& state, const char* options) {
   job.pose = scene.pose.data();
   job.listed = scene.pairs;
   job.begin = 0;
-  job.end = static_cast<std::int32_t>(scene.pose.size() / 8);
+  job.end = job.spare = static_cast<std::int32_t>(scene.pose.size() / 8);
   job.sum = scene.sums.data();
   job.nearest = &nearest;
   PairTally tally;

@@ -26,19 +26,20 @@ template <class Law>
 PairResult<double> resolve(const Law& law, int points, const Vec3d& separation, const Quatd& qi,
                            const Quatd& qj) {
   const Vec3d ei = axis1(qi), ej = axis1(qj);
+  const KernelUnits units{length, law.cutoff(), 1.0, 1.0};
   switch (points) {
     case 1:
-      return resolvePair<true, 1>(law, length, separation, ei, ej);
+      return resolvePair<true, 1>(law, units, separation, ei, ej);
     case 2:
-      return resolvePair<true, 2>(law, length, separation, ei, ej);
+      return resolvePair<true, 2>(law, units, separation, ei, ej);
     case 3:
-      return resolvePair<true, 3>(law, length, separation, ei, ej);
+      return resolvePair<true, 3>(law, units, separation, ei, ej);
     case 4:
-      return resolvePair<true, 4>(law, length, separation, ei, ej);
+      return resolvePair<true, 4>(law, units, separation, ei, ej);
     case 5:
-      return resolvePair<true, 5>(law, length, separation, ei, ej);
+      return resolvePair<true, 5>(law, units, separation, ei, ej);
     case 9:
-      return resolvePair<true, 9>(law, length, separation, ei, ej);
+      return resolvePair<true, 9>(law, units, separation, ei, ej);
     default:
       throw std::logic_error("number of points not instantiated");
   }

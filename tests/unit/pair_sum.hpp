@@ -42,13 +42,13 @@ inline Sum evaluate(const PairForce& force, const std::vector<Pose>& segments) {
     pose.insert(pose.end(), {s.x.x, s.x.y, s.x.z, 0, s.q.w, s.q.x, s.q.y, s.q.z});
   for (std::int32_t i = 0; i < n; ++i)
     for (std::int32_t j = i + 1; j < n; ++j) pairs.push_back({i, j});
-  std::vector<ForceSum> sum(segments.size(), ForceSum{});
+  std::vector<ForceSum> sum(segments.size() + 1, ForceSum{});
   const MinimumImage nearest{Box{}};
   PairJob job;
   job.pose = pose.data();
   job.listed = pairs;
   job.begin = 0;
-  job.end = n;
+  job.end = job.spare = n;
   job.sum = sum.data();
   job.nearest = &nearest;
   PairTally tally;

@@ -246,6 +246,13 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const LaneInd
 }
 
 typedef std::int64_t LaneIntegers __attribute__((vector_size(sizeof(Lanes))));
+/// An index a lane.
+typedef std::int32_t LaneNumbers __attribute__((vector_size(sizeof(Lanes) / 2)));
+NW_INLINE LaneNumbers loadNumbers(const std::int32_t* from) {
+  LaneNumbers v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
 /// Eight 64-bit values of one lane: a row.
 typedef std::int64_t Row __attribute__((vector_size(64)));
 typedef double Reals __attribute__((vector_size(64)));
@@ -297,11 +304,10 @@ NW_INLINE void toRows(const Integers* column, Row* row) {
 /// The lower and the upper halves of `laneCount` 64-bit words.
 NW_INLINE void splitWords(const void* words, std::int32_t* lower, std::int32_t* upper) {
   static_assert(std::endian::native == std::endian::little);
-  typedef std::int32_t Halves __attribute__((vector_size(sizeof(Lanes) / 2)));
   LaneIntegers all;
   std::memcpy(&all, words, sizeof all);
-  const Halves low = __builtin_convertvector(all, Halves),
-               high = __builtin_convertvector(all >> 32, Halves);
+  const LaneNumbers low = __builtin_convertvector(all, LaneNumbers),
+                    high = __builtin_convertvector(all >> 32, LaneNumbers);
   std::memcpy(lower, &low, sizeof low);
   std::memcpy(upper, &high, sizeof high);
 }

@@ -49,14 +49,14 @@ struct ViscousDamping {
 /// A thread's share of the pair sum. Sums go to the segments begin <= k < end alone, as integer
 /// multiples of the force's units, so their order does not matter.
 struct PairJob {
-  const double* pose;  ///< [8] a segment
+  const double* pose;                ///< [8] a segment
   std::span<const ListPair> listed;  ///< those within reach are resolved
   /// With `draws`, listed pairs whose centres are within `drawnRange` are put here; else these are
   /// resolved instead.
   DrawnPairs* drawn = nullptr;
   bool draws = false;
   double drawnRange = 0;
-  std::int32_t begin, end;
+  std::int32_t begin, end, spare;  ///< spare: a record of `sum` for what goes to other segments
   ForceSum* sum;
   const MinimumImage* nearest;
   // With viscous damping only:

@@ -129,16 +129,26 @@ NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const KernelUnits& un
   return result;
 }
 
+template <bool Energies, int N, class Law, class V>
+NW_INLINE PairResult<V> resolvePair(const Law& law, const KernelUnits& units,
+                                    const Vec3<V>& separation, const Vec3<V>& ei,
+                                    const Vec3<V>& ej) {
+  const auto sums = sumPoints<Energies, N>(law, units.length, shapeOf(separation, ei, ej));
+  return assemble<N>(sums, units, separation, ei, ej);
+}
+
 /// A SIMD group of a block's pairs.
 template <int N>
 struct PairGroup {
-  const std::int32_t *i, *j;
+  const std::int32_t *i, *j, *sumI, *sumJ;
   int used;  ///< lanes beyond repeat a pair and do not count
   Vec3<Lanes> separation, ei{}, ej{};
 
   NW_INLINE PairGroup(const PairBlock& block, const PairJob& job, int first)
       : i(block.i + first),
         j(block.j + first),
+        sumI(block.sumI + first),
+        sumJ(block.sumJ + first),
         used(std::min(laneCount, block.count - first)),
         separation(block.separation(first)) {
     if constexpr (N > 1) {
@@ -189,12 +199,10 @@ struct PairAdder {
   const Weight& weight;
   const PairJob& job;
   PairTally& tally;
-  ForceSum others{};
 
   NW_INLINE void operator()(const PairGroup<N>& group, PairResult<Lanes>& pair) {
-    const SumShare share{job.sum, job.begin, job.end, &others};
     if constexpr (Energies) weight.apply(group.separation, pair);
-    Row onI[laneCount], onJ[laneCount];
+    Row rows[laneCount];
     auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v) {
       to[0] = nearestIntegers(v.x);
       to[1] = nearestIntegers(v.y);
@@ -204,16 +212,17 @@ struct PairAdder {
     LaneIntegers component[6];
     whole(component, pair.force);
     if constexpr (N > 1) whole(component + 3, pair.torqueI);
-    toRows<components>(component, onI);
+    toRows<components>(component, rows);
+    addRows(job.sum, group.sumI, rows);
     for (int c = 0; c < 3; ++c) component[c] = -component[c];
     if constexpr (N > 1) whole(component + 3, pair.torqueJ);
-    toRows<components>(component, onJ);
-    for (int k = group.used; k < laneCount; ++k) onI[k] = onJ[k] = Row{};
-    scatter(share, group.i, group.j, onI, onJ);
+    toRows<components>(component, rows);
+    addRows(job.sum, group.sumJ, rows);
     if constexpr (Energies)
       for (int k = 0; k < group.used; ++k)
-        if (share.owns(group.i[k]))
-          tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)], tally.energyUnit);
+        if (group.i[k] >= job.begin && group.i[k] < job.end)
+          tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)],
+                           tally.energyUnit);
     // A blended pair comes twice; its damping acts once.
     if (job.viscousSum && weight.kind != Weight::rising) addViscous(job, units, group);
   }
@@ -228,9 +237,7 @@ void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
   PairAdder<Energies, N> add{units, weight, job, tally};
   for (int first = 0; first < block.count; first += laneCount) {
     const PairGroup<N> group(block, job, first);
-    const auto shape = shapeOf(group.separation, group.ei, group.ej);
-    const auto sums = sumPoints<Energies, N>(law, units.length, shape);
-    auto pair = assemble<N>(sums, units, group.separation, group.ei, group.ej);
+    auto pair = resolvePair<Energies, N>(law, units, group.separation, group.ei, group.ej);
     add(group, pair);
   }
 }

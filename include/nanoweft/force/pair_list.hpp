@@ -24,6 +24,10 @@ struct Share {
 std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const CellIndex& cells,
                                  int threads);
 
+/// Reorders pairs such that neighbours in the list have different first segments, which need not
+/// wait for each other's sums: lanes of a SIMD group take pairs from eight places of a stretch.
+void interleave(std::vector<ListPair>& pairs);
+
 class PairList {
  public:
   /// Lists all pairs whose centres are within `range`, but for neighbours along a fibre closer than

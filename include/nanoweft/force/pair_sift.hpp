@@ -22,14 +22,17 @@ struct PairBlock {
 
   int count = 0;
   alignas(64) std::int32_t i[capacity], j[capacity];
+  /// Where their sums are kept: those of other threads and ranks in the job's spare record.
+  alignas(64) std::int32_t sumI[capacity], sumJ[capacity];
   alignas(64) double x[capacity], y[capacity], z[capacity];
 
   NW_INLINE Vec3<Lanes> separation(int first) const {
     auto load = [&](const double* from) { return Lanes(from + first, stdx::element_aligned); };
     return {load(x), load(y), load(z)};
   }
-  /// Fills up the last SIMD group with repetitions of a pair, which do not count.
-  void fillUp();
+  /// To be called when all pairs are in: fills up the last SIMD group with repetitions of a pair,
+  /// which go to the spare record.
+  void close(const PairJob& job);
 };
 
 /// Pairs as they are, as many as a block holds.
