@@ -1,5 +1,6 @@
 #include "nanoweft/domain/domain.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "nanoweft/base/error.hpp"
@@ -80,7 +81,11 @@ void Domain::layGrid(const State& state, double range, const std::vector<double>
 }
 
 bool Domain::findPartners(const State& state) {
-  local_ = IndexMap(static_cast<std::size_t>(state.local()));
+  const auto rows = std::minmax_element(state.row, state.row + state.local());
+  if (state.local() > 0)
+    local_ = IndexMap(static_cast<std::size_t>(state.local()), *rows.first, *rows.second);
+  else
+    local_ = IndexMap();
   for (int i = 0; i < state.local(); ++i) local_.insert(state.row[i], i);
   for (int i = 0; i < state.owned(); ++i) {
     const auto next = state.successor(i), previous = state.predecessor(i);

@@ -39,7 +39,7 @@ void ForceField::rebuild(State& state, Domain& domain) {
   const double begin = MPI_Wtime();
   // Without pairs the halo holds bond partners alone; the cells then only need to find them.
   domain.rebuild(state, listRange(), std::max(listRange(), 2.0 * settings_.fibre.length),
-                 rebuilds_ > 0 ? &work_ : nullptr);
+                 rebuilds_ > 0 && state.ranks() > 1 ? &work_ : nullptr);
   const CellIndex cells(state, domain.grid(), state.local());
   // All sums are zero now but the spare ones, whose places may become a segment's.
   if (!sums_.empty()) std::fill(sums_.end() - std::ssize(shares_), sums_.end(), ForceSum{});
@@ -96,6 +96,7 @@ void ForceField::tuneMargin(const State& state) {
 }
 
 void ForceField::noteWork(const State& state, Domain& domain) {
+  if (state.ranks() == 1) return;
   // A segment's own part of a step costs about as much as this many pairs.
   constexpr double pairsPerSegment = 3.0;
   work_.assign(static_cast<std::size_t>(state.owned()), pairsPerSegment);

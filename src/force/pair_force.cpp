@@ -113,15 +113,15 @@ class PairForceOf final : public PairForce {
       for (std::size_t first = 0; first < job.listed.size(); first += stretch) {
         const std::size_t count = std::min(stretch, job.listed.size() - first);
         sifted(job.listed.subspan(first, count), first + count == job.listed.size());
-        job.drawn->ends.push_back({job.drawn->core.size(), job.drawn->rim.size()});
+        job.drawn->ends.push_back(sift.drawn());
       }
       return;
     }
     const std::span<const ListPair> core = job.drawn->core, rim = job.drawn->rim;
-    DrawnPairs::Stretch begin{0, 0};
+    DrawnPairs::Ends begin{0, 0};
     for (const auto& end : job.drawn->ends) {
       unsifted(core.subspan(begin.core, end.core - begin.core));
-      sifted(rim.subspan(begin.rim, end.rim - begin.rim), end.rim == rim.size());
+      sifted(rim.subspan(begin.rim, end.rim - begin.rim), &end == &job.drawn->ends.back());
       begin = end;
     }
   }

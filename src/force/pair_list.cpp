@@ -2,57 +2,72 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdlib>
-#include <limits>
+#include <utility>
 
 namespace nanoweft {
 
 namespace {
 
-/// The segments around a cell, as vectors to be compared with one segment at a time.
-class Surroundings {
+/// Positions in the order of the cells, as vectors to be compared with one segment at a time.
+class OrderedPositions {
  public:
-  struct Neighbour {
-    std::int64_t row, start;
-    std::int32_t point;
-  };
-
-  void clear() {
-    list_.clear();
-    for (auto* v : {&x_, &y_, &z_}) v->clear();
+  explicit OrderedPositions(std::size_t count) {
+    // Whole SIMD groups can be read from any place.
+    for (auto* v : {&x_, &y_, &z_}) v->resize(count + laneCount);
   }
-  void add(const State& state, int j) {
-    list_.push_back({state.row[j], state.row[j] - state.chain[2 * j], j});
-    const Vec3d x = state.position(j);
-    x_.push_back(x.x), y_.push_back(x.y), z_.push_back(x.z);
-  }
-  /// To be called when all are in: fills up whole SIMD groups with segments at infinity.
-  void close() {
-    for (auto* v : {&x_, &y_, &z_})
-      v->insert(v->end(), laneCount, std::numeric_limits<double>::infinity());
+  void set(std::size_t place, const Vec3d& x) {
+    x_[place] = x.x;
+    y_[place] = x.y;
+    z_[place] = x.z;
   }
 
-  /// Calls `found(neighbour)` for those within sqrt(range2) of x.
+  /// Calls `found(place)` for the places begin <= place < end within sqrt(range2) of x.
   template <class Found>
-  void within(const Vec3d& x, double range2, const MinimumImage& nearest,
+  void within(const Vec3d& x, double range2, const MinimumImage& nearest, int begin, int end,
               const Found& found) const {
     const Vec3<Lanes> from{x.x, x.y, x.z};
-    for (std::size_t k = 0; k < list_.size(); k += laneCount) {
+    for (int k = begin; k < end; k += laneCount) {
       const Vec3<Lanes> d = nearest(Vec3<Lanes>{load(x_, k), load(y_, k), load(z_, k)} - from);
-      for (unsigned near = lanesBelow(dot(d, d), range2); near; near &= near - 1)
-        found(list_[k + static_cast<std::size_t>(std::countr_zero(near))]);
+      unsigned near = lanesBelow(dot(d, d), range2);
+      if (end - k < laneCount) near &= (1u << (end - k)) - 1;
+      for (; near; near &= near - 1) found(k + std::countr_zero(near));
     }
   }
 
  private:
-  NW_INLINE static Lanes load(const std::vector<double>& v, std::size_t k) {
-    return Lanes(v.data() + k, stdx::element_aligned);
+  NW_INLINE static Lanes load(const std::vector<double>& v, int place) {
+    return Lanes(v.data() + place, stdx::element_aligned);
   }
 
-  std::vector<Neighbour> list_;
   std::vector<double> x_, y_, z_;
 };
+
+/// Places of the order that lie around a cell.
+struct Run {
+  int begin, end;
+  bool own;  ///< only a thread's own segments lie there
+};
+
+void runsAround(const CellGrid& grid, const CellIndex& cells, std::int64_t cell, Share share,
+                std::vector<std::int64_t>& around, std::vector<Run>& runs) {
+  runs.clear();
+  grid.neighbours(cell, around);
+  for (std::int64_t c : around) {
+    const int place = cells.rangeOf.at(c);
+    if (place < 0) continue;
+    const auto& r = cells.ranges[static_cast<std::size_t>(place)];
+    if (!runs.empty() && runs.back().end == r.begin)
+      runs.back().end = r.end;
+    else
+      runs.push_back({r.begin, r.end, true});
+  }
+  for (Run& run : runs)
+    run.own = std::all_of(cells.order.begin() + run.begin, cells.order.begin() + run.end,
+                          [&](int i) { return i >= share.begin && i < share.end; });
+}
 
 }  // namespace
 
@@ -104,54 +119,50 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
   const MinimumImage nearest(state.box);
   const double range2 = range * range;
   const int owned = state.owned();
-  std::vector<std::int64_t> cellOfOwned(static_cast<std::size_t>(owned));
-  for (const auto& r : cells.ranges)
-    for (int k = r.begin; k < r.end; ++k)
-      if (const int i = cells.order[static_cast<std::size_t>(k)]; i < owned)
-        cellOfOwned[static_cast<std::size_t>(i)] = r.cell;
+  const std::vector<int>& order = cells.order;
+  OrderedPositions positions(order.size());
   threads_.resize(shares.size());
   drawn_.resize(shares.size());
   shares_ = shares;
 
 #pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
+#pragma omp for
+    for (std::size_t k = 0; k < order.size(); ++k) positions.set(k, state.position(order[k]));
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     const Share share = shares[t];
+    auto mine = [share](int i) { return i >= share.begin && i < share.end; };
     auto& lists = threads_[t];
     lists.inner.clear();
     lists.outer.clear();
-    Surroundings neighbours;
+    std::vector<Run> runs;
     std::vector<std::int64_t> around;
-    std::int64_t lastCell = -1;
-    for (std::int32_t i = share.begin; i < share.end; ++i) {
-      if (const std::int64_t cell = cellOfOwned[static_cast<std::size_t>(i)]; cell != lastCell) {
-        lastCell = cell;
-        neighbours.clear();
-        grid.neighbours(cell, around);
-        for (std::int64_t c : around) {
-          const int place = cells.rangeOf.at(c);
-          if (place < 0) continue;
-          const auto& r = cells.ranges[static_cast<std::size_t>(place)];
-          for (int k = r.begin; k < r.end; ++k)
-            neighbours.add(state, cells.order[static_cast<std::size_t>(k)]);
-        }
-        neighbours.close();
-      }
-      const std::int64_t row = state.row[i], start = row - state.chain[2 * i];
-      neighbours.within(state.position(i), range2, nearest, [&](const auto& n) {
-        const bool mine = n.point >= share.begin && n.point < share.end;
-        if (mine ? n.row <= row : n.row == row) return;
-        if (n.start == start) {
-          const int places = placesOn(state, i, n.point);
-          if (std::abs(places) < exclude) {
-            if (!state.gap || std::abs(places) > 63) return;
-            const std::int64_t apart = state.gap[4 * i + (places > 0 ? 2 : 3)];
-            if (!(apart >> std::abs(places) & 1)) return;
+    for (const auto& cell : cells.ranges) {
+      bool arrived = false;
+      for (int k = cell.begin; k < cell.end; ++k) {
+        const int i = order[static_cast<std::size_t>(k)];
+        if (!mine(i)) continue;
+        if (!std::exchange(arrived, true)) runsAround(grid, cells, cell.cell, share, around, runs);
+        const std::int64_t row = state.row[i], start = row - state.chain[2 * i];
+        auto found = [&](int place) {
+          const int j = order[static_cast<std::size_t>(place)];
+          // Pairs of own segments are found from both sides.
+          if (mine(j) ? place <= k : state.row[j] == row) return;
+          if (state.row[j] - state.chain[2 * j] == start) {
+            const int places = placesOn(state, i, j);
+            if (std::abs(places) < exclude) {
+              if (!state.gap || std::abs(places) > 63) return;
+              const std::int64_t apart = state.gap[4 * i + (places > 0 ? 2 : 3)];
+              if (!(apart >> std::abs(places) & 1)) return;
+            }
           }
-        }
-        const ListPair pair = row < n.row ? ListPair{i, n.point} : ListPair{n.point, i};
-        (n.point < owned ? lists.inner : lists.outer).push_back(pair);
-      });
+          (j < owned ? lists.inner : lists.outer)
+              .push_back(row < state.row[j] ? ListPair{i, j} : ListPair{j, i});
+        };
+        for (const Run& run : runs)
+          positions.within(state.position(i), range2, nearest,
+                           run.own ? std::max(run.begin, k + 1) : run.begin, run.end, found);
+      }
     }
     interleave(lists.inner);
     interleave(lists.outer);

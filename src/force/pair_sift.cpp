@@ -82,23 +82,22 @@ PairSift::PairSift(const PairJob& job, const Switch& blend, double reach)
       reach2_(reach * reach),
       blends_(std::isfinite(blend.to)) {
   if (!job.draws) return;
-  job.drawn->core.clear();
-  job.drawn->rim.clear();
   // Of the core all have to be near until the next drawing; out of reach they would do no harm.
   const double core = std::min(reach, blend.from - (job.drawnRange - reach));
   core2_ = core > 0 ? core * core : 0.0;
   drawn2_ = job.drawnRange * job.drawnRange;
 }
 
-void PairSift::draw(std::vector<ListPair>& to, unsigned chosen) {
-  static_assert(sizeof(ListPair) == sizeof(double));
-  alignas(64) double pairs[laneCount] = {}, packed[laneCount];
-  std::memcpy(pairs, pairs_.data(),
-              std::min<std::size_t>(laneCount, pairs_.size()) * sizeof(double));
-  packLanes(chosen, Lanes(pairs, stdx::element_aligned), packed);
-  ListPair some[laneCount];
-  std::memcpy(static_cast<void*>(some), packed, sizeof some);
-  to.insert(to.end(), some, some + std::popcount(chosen));
+void PairSift::goOn(std::span<const ListPair> pairs) {
+  pairs_ = pairs;
+  if (!job_.draws) return;
+  // Whole vectors are written, of which a part counts.
+  auto makeRoom = [&](std::vector<ListPair>& to, std::size_t used) {
+    if (const std::size_t needed = used + pairs.size() + laneCount; to.size() < needed)
+      to.resize(needed);
+  };
+  makeRoom(job_.drawn->core, drawn_.core);
+  makeRoom(job_.drawn->rim, drawn_.rim);
 }
 
 void PairSift::sift() {
@@ -110,9 +109,18 @@ void PairSift::sift() {
   const Lanes r2 = dot(d, d);
   const unsigned valid = (1u << used) - 1;
   if (job_.draws) {
+    static_assert(sizeof(ListPair) == sizeof(double));
+    alignas(64) double words[laneCount], packed[laneCount];
+    std::memcpy(words, pairs_.data(), used * sizeof(double));
+    const Lanes all(words, stdx::vector_aligned);
+    auto draw = [&](unsigned chosen, std::vector<ListPair>& to, std::size_t& end) {
+      packLanes(chosen, all, packed);
+      std::memcpy(static_cast<void*>(&to[end]), packed, sizeof packed);
+      end += static_cast<std::size_t>(std::popcount(chosen));
+    };
     const unsigned core = lanesBelow(r2, core2_) & valid;
-    draw(job_.drawn->core, core);
-    draw(job_.drawn->rim, lanesBelow(r2, drawn2_) & valid & ~core);
+    draw(core, job_.drawn->core, drawn_.core);
+    draw(lanesBelow(r2, drawn2_) & valid & ~core, job_.drawn->rim, drawn_.rim);
   }
   pairs_ = pairs_.subspan(used);
   const unsigned inNear = lanesBelow(r2, from2_) & valid, inBlend = lanesBelow(r2, to2_) & valid,

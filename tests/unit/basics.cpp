@@ -185,5 +185,17 @@ TEST(IndexMap, FindsWhatWasPutIn) {
   EXPECT_EQ(map.at(5), -1);
 }
 
+TEST(IndexMap, FindsTheSameAsAnArrayAndHashed) {
+  for (std::int64_t spacing : {1, 3, 1000}) {
+    const std::int64_t first = 1'000'000'000'000;
+    IndexMap map(100, first, first + 99 * spacing);
+    for (int k = 0; k < 100; k += 2) EXPECT_EQ(map.insert(first + spacing * k, k), k);
+    EXPECT_EQ(map.insert(first + 2 * spacing, 7), 2);
+    for (int k = 0; k < 100; ++k) EXPECT_EQ(map.at(first + spacing * k), k % 2 ? -1 : k);
+    for (std::int64_t key : {std::int64_t{0}, first - 1, first + 100 * spacing})
+      EXPECT_EQ(map.at(key), -1);
+  }
+}
+
 }  // namespace
 }  // namespace nanoweft::test

@@ -32,12 +32,12 @@ struct ListPair {
 struct DrawnPairs {
   std::vector<ListPair> core;  ///< in reach when drawn: resolved without looking at their distance
   std::vector<ListPair> rim;   ///< those that may be in reach before the next drawing
-  /// Both end here for one stretch of the list after the other: they are resolved together, since
-  /// their segments are in the cache.
-  struct Stretch {
+  /// Where both end for one stretch of the list after the other: those of a stretch are resolved
+  /// together, since their segments are in the cache. (The vectors may be longer than that.)
+  struct Ends {
     std::size_t core, rim;
   };
-  std::vector<Stretch> ends;
+  std::vector<Ends> ends;
 };
 
 /// Viscous damping of interacting pairs (physics.md 5): -g (v_i - v_j), -g_w (w_i - w_j).

@@ -66,14 +66,15 @@ class PairSift {
   PairSift(const PairJob& job, const Switch& blend, double reach);
 
   /// The pairs to go on with; those before have to be used up.
-  void goOn(std::span<const ListPair> pairs) { pairs_ = pairs; }
+  void goOn(std::span<const ListPair> pairs);
+  /// Where the drawn pairs end by now.
+  const DrawnPairs::Ends& drawn() const { return drawn_; }
   /// The next block and its class, filled up, or nothing. Pairs are held back until they fill a
   /// block or are the `last` ones.
   const PairBlock* next(Class& which, bool last);
 
  private:
   void sift();
-  void draw(std::vector<ListPair>& to, unsigned chosen);
   const PairBlock* handOut(Class which, Class& result);
 
   const PairJob& job_;
@@ -81,6 +82,7 @@ class PairSift {
   double core2_ = 0, drawn2_ = 0;  ///< squared ranges of the drawn pairs
   bool blends_;
   std::span<const ListPair> pairs_;
+  DrawnPairs::Ends drawn_{0, 0};
   PairBlock* given_ = nullptr;  ///< handed out last
   PairBlock blocks_[3];
 };
