@@ -84,13 +84,14 @@ void ForceField::startSift(const State& state) {
 }
 
 void ForceField::tuneMargin(const State& state) {
-  // A step looks at pairs in proportion to (reach + margin)^2 (a sheet), a sift at those within
-  // reach + skin, as many steps apart as the margin lasts: least together for this margin.
+  // A step looks at a rim of pairs in proportion to reach x margin (a sheet), a drawing at all
+  // within reach + skin, as many steps apart as the margin lasts: least together for this margin.
+  // The half: pairs of the rim cost more, since their segments are not in the cache yet.
   const std::int64_t steps = siftStep_ < 0 ? 0 : state.step - siftStep_;
   if (steps < 1) return;
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),
                widening = 1.0 + skin_ / settings_.pair->reach();
-  margin_ = widening * std::sqrt(settings_.pair->reach() * speed);
+  margin_ = 0.5 * widening * std::sqrt(settings_.pair->reach() * speed);
   margin_ = std::min(std::max(margin_, 0.05 * settings_.fibre.length), 0.5 * skin_);
   siftStep_ = state.step;
 }

@@ -11,30 +11,35 @@ namespace nanoweft {
 
 namespace {
 
-/// Positions in the order of the cells, as vectors to be compared with one segment at a time.
-class OrderedPositions {
+/// The segments in the order of their cells, as vectors to be compared with one of them at a time.
+class OrderedSegments {
  public:
-  explicit OrderedPositions(std::size_t count) {
+  explicit OrderedSegments(std::size_t count) {
     // Whole SIMD groups can be read from any place.
     for (auto* v : {&x_, &y_, &z_}) v->resize(count + laneCount);
+    point_.resize(count + laneCount);
   }
-  void set(std::size_t place, const Vec3d& x) {
+  void set(std::size_t place, int point, const Vec3d& x) {
     x_[place] = x.x;
     y_[place] = x.y;
     z_[place] = x.z;
+    point_[place] = point;
   }
 
-  /// Calls `found(place)` for the places begin <= place < end within sqrt(range2) of x.
-  template <class Found>
-  void within(const Vec3d& x, double range2, const MinimumImage& nearest, int begin, int end,
-              const Found& found) const {
+  /// Puts those at the places begin <= place < end within sqrt(range2) of x into `found`, and
+  /// returns how many; room for a group more than there are places is needed.
+  std::size_t within(const Vec3d& x, double range2, const MinimumImage& nearest, int begin, int end,
+                     std::int32_t* found) const {
     const Vec3<Lanes> from{x.x, x.y, x.z};
+    std::size_t count = 0;
     for (int k = begin; k < end; k += laneCount) {
       const Vec3<Lanes> d = nearest(Vec3<Lanes>{load(x_, k), load(y_, k), load(z_, k)} - from);
       unsigned near = lanesBelow(dot(d, d), range2);
       if (end - k < laneCount) near &= (1u << (end - k)) - 1;
-      for (; near; near &= near - 1) found(k + std::countr_zero(near));
+      packLanes(near, &point_[static_cast<std::size_t>(k)], found + count);
+      count += static_cast<std::size_t>(std::popcount(near));
     }
+    return count;
   }
 
  private:
@@ -43,6 +48,7 @@ class OrderedPositions {
   }
 
   std::vector<double> x_, y_, z_;
+  std::vector<std::int32_t> point_;
 };
 
 /// Places of the order that lie around a cell.
@@ -120,7 +126,7 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
   const double range2 = range * range;
   const int owned = state.owned();
   const std::vector<int>& order = cells.order;
-  OrderedPositions positions(order.size());
+  OrderedSegments segments(order.size());
   threads_.resize(shares.size());
   drawn_.resize(shares.size());
   shares_ = shares;
@@ -128,7 +134,8 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
 #pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
 #pragma omp for
-    for (std::size_t k = 0; k < order.size(); ++k) positions.set(k, state.position(order[k]));
+    for (std::size_t k = 0; k < order.size(); ++k)
+      segments.set(k, order[k], state.position(order[k]));
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     const Share share = shares[t];
     auto mine = [share](int i) { return i >= share.begin && i < share.end; };
@@ -137,31 +144,41 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
     lists.outer.clear();
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
+    std::vector<std::int32_t> found;
     for (const auto& cell : cells.ranges) {
       bool arrived = false;
       for (int k = cell.begin; k < cell.end; ++k) {
         const int i = order[static_cast<std::size_t>(k)];
         if (!mine(i)) continue;
-        if (!std::exchange(arrived, true)) runsAround(grid, cells, cell.cell, share, around, runs);
+        if (!std::exchange(arrived, true)) {
+          runsAround(grid, cells, cell.cell, share, around, runs);
+          int longest = 0;
+          for (const Run& run : runs) longest = std::max(longest, run.end - run.begin);
+          found.resize(static_cast<std::size_t>(longest + laneCount));
+        }
         const std::int64_t row = state.row[i], start = row - state.chain[2 * i];
-        auto found = [&](int place) {
-          const int j = order[static_cast<std::size_t>(place)];
-          // Pairs of own segments are found from both sides.
-          if (mine(j) ? place <= k : state.row[j] == row) return;
-          if (state.row[j] - state.chain[2 * j] == start) {
-            const int places = placesOn(state, i, j);
-            if (std::abs(places) < exclude) {
-              if (!state.gap || std::abs(places) > 63) return;
-              const std::int64_t apart = state.gap[4 * i + (places > 0 ? 2 : 3)];
-              if (!(apart >> std::abs(places) & 1)) return;
+        for (const Run& run : runs) {
+          // Pairs of own segments are found from the first, in the order of the cells, which is
+          // that of the owned segments in memory.
+          const std::size_t count = segments.within(
+              state.position(i), range2, nearest, run.own ? std::max(run.begin, k + 1) : run.begin,
+              run.end, found.data());
+          for (std::size_t n = 0; n < count; ++n) {
+            const int j = found[n];
+            const std::int64_t other = state.row[j];
+            if (!run.own && (mine(j) ? j <= i : other == row)) continue;
+            if (other - state.chain[2 * j] == start) {
+              const int places = placesOn(state, i, j);
+              if (std::abs(places) < exclude) {
+                if (!state.gap || std::abs(places) > 63) continue;
+                const std::int64_t apart = state.gap[4 * i + (places > 0 ? 2 : 3)];
+                if (!(apart >> std::abs(places) & 1)) continue;
+              }
             }
+            (j < owned ? lists.inner : lists.outer)
+                .push_back(row < other ? ListPair{i, j} : ListPair{j, i});
           }
-          (j < owned ? lists.inner : lists.outer)
-              .push_back(row < state.row[j] ? ListPair{i, j} : ListPair{j, i});
-        };
-        for (const Run& run : runs)
-          positions.within(state.position(i), range2, nearest,
-                           run.own ? std::max(run.begin, k + 1) : run.begin, run.end, found);
+        }
       }
     }
     interleave(lists.inner);
