@@ -4,10 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 #include "nanoweft/base/hdf5.hpp"
 
@@ -29,14 +31,25 @@ Folder::Folder() {
 Folder::~Folder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+  // Open MPI's daemons may still be clearing up there.
+  const fs::path session = path_.string() + ".mpi";
+  for (int k = 0; k < 100 && fs::exists(session, ignored); ++k) {
+    fs::remove_all(session, ignored);
+    std::this_thread::sleep_for(std::chrono::milliseconds(k));
+  }
 }
 
 namespace {
 
-// Waiting threads and ranks must not spin: tests run with more of them than there are cores.
+// Waiting threads and ranks must not spin: tests run with more of them than there are cores. Each
+// test has a session folder of its own, since Open MPI's runs that begin and end at the same time
+// take that of their user away from each other.
 std::string launch(const Folder& folder, const std::string& start, const std::string& options,
                    int threads) {
-  return "cd '" + folder.path().string() + "' && OMP_NUM_THREADS=" + std::to_string(threads) +
+  const std::string session = folder.path().string() + ".mpi";
+  return "mkdir -p '" + session + "' && cd '" + folder.path().string() +
+         "' && OMPI_MCA_orte_tmpdir_base='" + session +
+         "' OMP_NUM_THREADS=" + std::to_string(threads) +
          " OMP_WAIT_POLICY=passive OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
          " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none exec " +
          start + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
