@@ -18,7 +18,6 @@ class Hertz {
   Hertz(double stiffness, double radius) : stiffness_(stiffness), contact_(2.0 * radius) {}
 
   double cutoff() const { return contact_; }
-  double cutoff2() const { return contact_ * contact_; }
   double closestSensible() const { return 0.0; }
   double largestForce() const { return 2.5 * stiffness_ * contact_ * std::sqrt(contact_); }
   double contactStiffness() const { return 3.75 * stiffness_ * std::sqrt(contact_); }

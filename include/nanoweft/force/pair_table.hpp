@@ -37,7 +37,6 @@ class PairRows {
   static constexpr bool couples = true;
 
   double cutoff() const { return cutoff_; }
-  double cutoff2() const { return cutoff_ * cutoff_; }
 
   PairRows() = default;
   template <class W>
