@@ -301,7 +301,6 @@ void Simulation::step() {
   request.energies = monitored || relaxCheck || checkpoint || (notices & (progress | stop)) ||
                      due(energyCheckInterval) || atEnd();
   request.complete = false;
-  request.cleared = true;
   outcome_ = forces_->evaluate(*state_, domain_->halo(), request);
   accounts_.broken.merge(outcome_.released);
   pendingBreaks_.insert(pendingBreaks_.end(), outcome_.broken.begin(), outcome_.broken.end());

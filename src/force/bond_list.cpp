@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/force/gather.hpp"
@@ -20,22 +21,24 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
   threads_.resize(shares.size());
 #pragma omp parallel for schedule(static, 1)
   for (std::size_t t = 0; t < shares.size(); ++t) {
-    auto& bonds = threads_[t];
-    bonds.inner.clear();
-    bonds.outer.clear();
-    auto push = [&](std::int32_t i, std::int32_t j) {
-      const double critical = law ? law->criticalStrain(state.fibre[i], state.chain[2 * i]) : 0.0;
-      (i < state.owned() && j < state.owned() ? bonds.inner : bonds.outer)
-          .push_back({i, j, critical});
-    };
-    for (std::int32_t i = shares[t].begin; i < shares[t].end; ++i) {
-      if (const auto next = state.successor(i); next >= 0 && !(state.bond[i] & nextBroken))
-        push(i, domain.localIndex(state, next, i + 1));
-      if (const auto before = state.predecessor(i);
-          before >= 0 && !(state.bond[i] & previousBroken)) {
-        const std::int32_t j = domain.localIndex(state, before, i - 1);
-        if (j < shares[t].begin || j >= shares[t].end) push(j, i);
-      }
+    ThreadBonds& bonds = threads_[t];
+    for (auto& part : bonds.parts) part.clear();
+    bonds.next = 0;
+    auto mine = [&](std::int32_t i) { return i >= shares[t].begin && i < shares[t].end; };
+    for (std::int32_t m = shares[t].begin; m < shares[t].end; ++m) {
+      // Own bonds when their higher segment comes.
+      auto push = [&](std::int32_t i, std::int32_t j) {
+        const std::int32_t other = i == m ? j : i;
+        if (mine(other) && other > m) return;
+        const double critical = law ? law->criticalStrain(state.fibre[i], state.chain[2 * i]) : 0.0;
+        bonds.parts[mine(other) ? own : other < state.owned() ? shared : outer].push_back(
+            {i, j, critical});
+      };
+      if (const auto before = state.predecessor(m);
+          before >= 0 && !(state.bond[m] & previousBroken))
+        push(domain.localIndex(state, before, m - 1), m);
+      if (const auto next = state.successor(m); next >= 0 && !(state.bond[m] & nextBroken))
+        push(m, domain.localIndex(state, next, m + 1));
     }
   }
 }
@@ -87,16 +90,37 @@ class BondScatter {
 
 }  // namespace
 
-void BondList::add(State& state, const BondParameters& parameters, const MinimumImage& nearest,
-                   int thread, Share share, bool ghosts, bool energies, bool mayBreak,
+void BondList::add(State& state, const Terms& terms, int thread, Share share, Part part,
                    BondTally& tally) {
-  auto& threadBonds = threads_[static_cast<std::size_t>(thread)];
-  auto& bonds = ghosts ? threadBonds.outer : threadBonds.inner;
+  auto& bonds = threads_[static_cast<std::size_t>(thread)].parts[part];
+  add(state, terms, share, bonds, 0, bonds.size(), tally);
+  dropBroken(bonds, tally);
+}
+
+void BondList::addUpTo(State& state, const Terms& terms, int thread, Share share, std::int32_t end,
+                       BondTally& tally) {
+  ThreadBonds& all = threads_[static_cast<std::size_t>(thread)];
+  auto& bonds = all.parts[own];
+  std::size_t last = all.next;
+  while (last < bonds.size() && std::max(bonds[last].i, bonds[last].j) < end) ++last;
+  if (end < share.end) last -= (last - all.next) % laneCount;
+  add(state, terms, share, bonds, all.next, last, tally);
+  all.next = last;
+  if (end == share.end) dropBroken(bonds, tally);
+}
+
+void BondList::dropBroken(std::vector<Entry>& bonds, BondTally& tally) {
+  if (std::exchange(tally.someBroke, false))
+    std::erase_if(bonds, [](const Entry& e) { return e.i < 0; });
+}
+
+void BondList::add(State& state, const Terms& terms, Share share, std::vector<Entry>& bonds,
+                   std::size_t begin, std::size_t end, BondTally& tally) {
+  const auto& [parameters, nearest, energies, mayBreak] = terms;
   auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };
-  bool someBroke = false;
   BondScatter scatter(state, share);
-  for (std::size_t first = 0; first < bonds.size(); first += laneCount) {
-    const int used = static_cast<int>(std::min<std::size_t>(laneCount, bonds.size() - first));
+  for (std::size_t first = begin; first < end; first += laneCount) {
+    const int used = static_cast<int>(std::min<std::size_t>(laneCount, end - first));
     std::int32_t i[laneCount], j[laneCount];
     // Segments lie cell by cell: what comes is fetched in time.
     if (constexpr std::size_t ahead = 32; first + ahead + laneCount <= bonds.size())
@@ -133,7 +157,7 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
       if (breakable_ && mayBreak) {
         const double strain = (bond.length[lane] - parameters.length) / parameters.length;
         if (strain > entry.critical) {
-          someBroke = true;
+          tally.someBroke = true;
           if (mine(i[k])) {
             const auto u =
                 bondEnergy(parameters, nearest(state.position(j[k]) - state.position(i[k])),
@@ -156,12 +180,12 @@ void BondList::add(State& state, const BondParameters& parameters, const Minimum
       }
     }
   }
-  if (someBroke) std::erase_if(bonds, [](const Entry& e) { return e.i < 0; });
 }
 
 std::int64_t BondList::size() const {
   std::int64_t n = 0;
-  for (const auto& t : threads_) n += static_cast<std::int64_t>(t.inner.size() + t.outer.size());
+  for (const auto& t : threads_)
+    for (const auto& part : t.parts) n += static_cast<std::int64_t>(part.size());
   return n;
 }
 

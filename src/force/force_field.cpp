@@ -48,7 +48,7 @@ void ForceField::rebuild(State& state, Domain& domain) {
   if (settings_.pair) {
     pairs_.build(state, domain.grid(), cells, shares_, listRange(), settings_.pair->exclude());
     tuneMargin(state);
-    startSift(state);
+    startDrawing(state);
     listed_ = reference_;
     const ForceSum* before = sums_.data();
     sums_.resize(static_cast<std::size_t>(state.owned()) + shares_.size());
@@ -56,9 +56,10 @@ void ForceField::rebuild(State& state, Domain& domain) {
     if (viscous()) viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
   }
   noteWork(state, domain);
+  bondsKnown_ = false;
   ++rebuilds_;
   rebuildSeconds_ = MPI_Wtime() - begin;
-  siftSeconds_ = 0;
+  drawSeconds_ = 0;
   evaluations_ = 0;
 }
 
@@ -71,29 +72,29 @@ void ForceField::refresh(State& state, Domain& domain) {
   MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
   tuneMargin(state);
   if (!(2.0 * std::sqrt(farthest2) + margin_ <= skin_)) return rebuild(state, domain);
-  startSift(state);
+  startDrawing(state);
 }
 
-void ForceField::startSift(const State& state) {
+void ForceField::startDrawing(const State& state) {
   reference_.resize(3 * static_cast<std::size_t>(state.owned()));
 #pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
   for (int i = 0; i < state.owned(); ++i)
     std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
-  sift_ = true;
-  siftStep_ = state.step;
+  draw_ = true;
+  drawStep_ = state.step;
 }
 
 void ForceField::tuneMargin(const State& state) {
   // A step looks at a rim of pairs in proportion to reach x margin (a sheet), a drawing at all
   // within reach + skin, as many steps apart as the margin lasts: least together for this margin.
   // The half: pairs of the rim cost more, since their segments are not in the cache yet.
-  const std::int64_t steps = siftStep_ < 0 ? 0 : state.step - siftStep_;
+  const std::int64_t steps = drawStep_ < 0 ? 0 : state.step - drawStep_;
   if (steps < 1) return;
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),
                widening = 1.0 + skin_ / settings_.pair->reach();
   margin_ = 0.5 * widening * std::sqrt(settings_.pair->reach() * speed);
   margin_ = std::min(std::max(margin_, 0.05 * settings_.fibre.length), 0.5 * skin_);
-  siftStep_ = state.step;
+  drawStep_ = state.step;
 }
 
 void ForceField::noteWork(const State& state, Domain& domain) {
@@ -109,33 +110,52 @@ void ForceField::noteWork(const State& state, Domain& domain) {
 
 void ForceField::tuneSkin(const State& state) {
   if (!settings_.pair || settings_.skin > 0 || evaluations_ < 2 || rebuilds_ < 2) return;
-  // Cost of a step: (rebuild + sifts) / steps between. The steps between grow like the skin, the
-  // pairs to be sifted like the square of the range (a sheet) or more: follow the derivative, in
+  // Cost of a step: (rebuild + drawings) / steps between. The steps between grow like the skin, the
+  // pairs to be looked at like the square of the range (a sheet) or more: follow the derivative, in
   // steps large enough to be worth a new cell grid. Rank 0 decides, since all must agree.
   double next = skin_;
   const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
-  const double loss = 2.0 * (siftSeconds_ / static_cast<double>(evaluations_)) / listRange();
+  const double loss = 2.0 * (drawSeconds_ / static_cast<double>(evaluations_)) / listRange();
   if (gain > 1.3 * loss) next = std::min(1.2 * skin_, skinLimit_);
   if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.2 * settings_.fibre.length);
   MPI_Bcast(&next, 1, MPI_DOUBLE, 0, state.comm());
   if (next > 0) skin_ = std::min(next, std::max(skinLimit_, skin_));
 }
 
+void ForceField::startFollowing() {
+  followed_.assign(shares_.size(), BondTally{});
+  for (std::size_t t = 0; t < shares_.size(); ++t) {
+    followed_[t].energyUnit = energyUnit_;
+    bonds_.rewind(static_cast<int>(t));
+  }
+  bondsKnown_ = true;
+}
+
+void ForceField::follow(State& state, int thread, std::int32_t end) {
+  const auto t = static_cast<std::size_t>(thread);
+  bonds_.addUpTo(state, {settings_.fibre.bond, nearest_, false, true}, thread, shares_[t], end,
+                 followed_[t]);
+}
+
 ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
   const auto threads = shares_.size();
-  std::vector<BondTally> bondTallies(threads);
+  // Bonds that broke then are broken, even if the forces have to be computed again.
+  std::vector<BondTally> bondTallies = std::exchange(followed_, {});
+  bondTallies.resize(threads);
+  const bool ownKnown = std::exchange(bondsKnown_, false) && !request.energies;
   std::vector<PairTally> pairTallies(threads);
   const PairForce* pair = settings_.pair.get();
   const bool viscousOn = pair && viscous() && request.viscous;
-  const bool sifting = std::exchange(sift_, false);
+  const bool drawing = std::exchange(draw_, false);
   auto pairJob = [&](std::size_t t, bool outer) {
     PairJob job;
     job.pose = state.pose;
-    job.listed = outer ? pairs_.threads()[t].outer : pairs_.threads()[t].inner;
-    job.drawn = outer ? &pairs_.drawn()[t].outer : &pairs_.drawn()[t].inner;
-    job.draws = sifting;
+    DrawnPairs& drawn = outer ? pairs_.drawn()[t].outer : pairs_.drawn()[t].inner;
     // A little wider, since the estimate of the stable step displaces what it evaluates.
-    job.drawnRange = pair->reach() + 1.001 * margin_;
+    if (drawing)
+      pair->draw(outer ? pairs_.threads()[t].outer : pairs_.threads()[t].inner, state.pose,
+                 nearest_, 1.001 * margin_, drawn);
+    job.drawn = &drawn;
     job.begin = shares_[t].begin;
     job.end = shares_[t].end;
     job.spare = state.owned() + static_cast<std::int32_t>(t);
@@ -149,13 +169,17 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     }
     return job;
   };
-  auto bonds = [&](std::size_t t, bool ghosts) {
-    if (!ghosts && !request.cleared) {
+  const BondList::Terms terms{settings_.fibre.bond, nearest_, request.energies, request.mayBreak};
+  auto bonds = [&](std::size_t t, BondList::Part part) {
+    bonds_.add(state, terms, static_cast<int>(t), shares_[t], part, bondTallies[t]);
+  };
+  auto innerBonds = [&](std::size_t t) {
+    if (!ownKnown) {
       std::fill(state.force + 3 * shares_[t].begin, state.force + 3 * shares_[t].end, 0.0);
       std::fill(state.torque + 3 * shares_[t].begin, state.torque + 3 * shares_[t].end, 0.0);
+      bonds(t, BondList::own);
     }
-    bonds_.add(state, settings_.fibre.bond, nearest_, static_cast<int>(t), shares_[t], ghosts,
-               request.energies, request.mayBreak, bondTallies[t]);
+    bonds(t, BondList::shared);
   };
   for (std::size_t t = 0; t < threads; ++t)
     bondTallies[t].energyUnit = pairTallies[t].energyUnit = energyUnit_;
@@ -168,7 +192,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   {
     const LogScope log(bondEvent_);
 #pragma omp parallel num_threads(static_cast <int>(threads))
-    bonds(static_cast<std::size_t>(omp_get_thread_num()), false);
+    innerBonds(static_cast<std::size_t>(omp_get_thread_num()));
     PetscLogFlops(290.0 * static_cast<double>(bonds_.size()));
   }
   const double begin = MPI_Wtime();
@@ -192,7 +216,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   if (state.ranks() > 1) {
     const LogScope log(bondEvent_);
 #pragma omp parallel num_threads(static_cast <int>(threads))
-    bonds(static_cast<std::size_t>(omp_get_thread_num()), true);
+    bonds(static_cast<std::size_t>(omp_get_thread_num()), BondList::outer);
   }
   if (pair) {
     const LogScope log(pairEvent_);
@@ -218,8 +242,8 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     }
     PetscLogFlops(60.0 * static_cast<double>(pointPairs));  // about; gathers and scatter aside
   }
-  // Of an evaluation that sifts, about a fifth goes into it.
-  if (sifting) siftSeconds_ += 0.2 * (MPI_Wtime() - begin - waited);
+  // Of an evaluation that draws, about a fifth goes into it.
+  if (drawing) drawSeconds_ += 0.2 * (MPI_Wtime() - begin - waited);
   ++evaluations_;
 
   ForceOutcome outcome;
@@ -255,19 +279,19 @@ ClosestPair findClosestPair(const State& state, const ForceField& forces) {
   if (!forces.pair()) return closest;
   for (const auto& thread : forces.pairList().threads())
     for (const auto* list : {&thread.inner, &thread.outer})
-      for (const ListPair& p : *list) {
+      list->forEach([&](const ListPair& p) {
         const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
         // No points of the pair are closer than this.
         if (norm(separation) - (forces.pair()->reach() - forces.pair()->cutoff()) >=
             closest.distance)
-          continue;
+          return;
         const double distance =
             forces.pair()->closest(separation, state.orientation(p.i), state.orientation(p.j));
         if (distance < closest.distance)
           closest = {distance,
                      {state.fibre[p.i], state.fibre[p.j]},
                      {state.chain[2 * p.i], state.chain[2 * p.j]}};
-      }
+      });
   struct {
     double distance;
     int rank;

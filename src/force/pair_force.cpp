@@ -69,59 +69,42 @@ class PairForceOf final : public PairForce {
 
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
     const KernelUnits units{length_, cutoff_, forceUnit_, torqueUnit_};
-    auto resolve = [&](int points, bool withEnergies, Weight::Kind kind, const PairBlock& block) {
+    auto resolve = [&](int points, bool withEnergies, Weight::Kind kind, const LaneView& pairs) {
       const auto which = static_cast<std::size_t>(points - 1);
       const Weight weight{kind, points_.blend};
       if (single_)
-        singleKernels[which][withEnergies](*single_, units, weight, block, job, tally);
+        singleKernels[which][withEnergies](*single_, units, weight, pairs, job, tally);
       else
-        kernels[which][withEnergies](law_, units, weight, block, job, tally);
-      tally.pointPairs += static_cast<std::int64_t>(points) * points * block.count;
+        kernels[which][withEnergies](law_, units, weight, pairs, job, tally);
+      tally.pointPairs += static_cast<std::int64_t>(points) * points * pairs.pairs();
     };
-    PairSift sift(job, points_.blend, reach_);
+    auto unsifted = [&](int points, const LaneView& pairs) {
+      resolve(points, energies, Weight::whole, pairs);
+      tally.resolved += pairs.pairs();
+    };
+    PairSift sift(job.pose, *job.nearest, points_.blend, reach_);
     auto sifted = [&](std::span<const ListPair> pairs, bool last) {
       sift.goOn(pairs);
       PairSift::Class which;
-      while (const PairBlock* block = sift.next(which, last)) {
-        tally.resolved += block->count;
-        switch (which) {
-          case PairSift::near:
-            resolve(points_.near, energies, Weight::whole, *block);
-            break;
-          case PairSift::blended:  // the force needs the energies too
-            resolve(points_.near, true, Weight::fading, *block);
-            resolve(points_.far, true, Weight::rising, *block);
-            break;
-          default:
-            resolve(points_.far, energies, Weight::whole, *block);
+      while (PairBlock* block = sift.next(which, last)) {
+        const LaneView view = block->close();
+        if (which != PairSift::blended) {
+          unsifted(which == PairSift::near ? points_.near : points_.far, view);
+          continue;
         }
+        tally.resolved += view.pairs();
+        // The force needs the energies too.
+        resolve(points_.near, true, Weight::fading, view);
+        resolve(points_.far, true, Weight::rising, view);
       }
     };
-    auto unsifted = [&](std::span<const ListPair> pairs) {
-      PairBlock block;
-      for (; !pairs.empty(); pairs = pairs.subspan(static_cast<std::size_t>(block.count))) {
-        takeAll(job, pairs, block);
-        tally.resolved += block.count;
-        resolve(points_.near, energies, Weight::whole, block);
-      }
-    };
-    if (!job.drawn) return sifted(job.listed, true);
-    // Far shorter than what the second cache holds, far longer than a block.
-    constexpr std::size_t stretch = 4096;
-    if (job.draws) {
-      job.drawn->ends.clear();
-      for (std::size_t first = 0; first < job.listed.size(); first += stretch) {
-        const std::size_t count = std::min(stretch, job.listed.size() - first);
-        sifted(job.listed.subspan(first, count), first + count == job.listed.size());
-        job.drawn->ends.push_back(sift.drawn());
-      }
-      return;
-    }
-    const std::span<const ListPair> core = job.drawn->core, rim = job.drawn->rim;
-    DrawnPairs::Ends begin{0, 0};
-    for (const auto& end : job.drawn->ends) {
-      unsifted(core.subspan(begin.core, end.core - begin.core));
-      sifted(rim.subspan(begin.rim, end.rim - begin.rim), &end == &job.drawn->ends.back());
+    const DrawnPairs& drawn = *job.drawn;
+    const std::span<const ListPair> rim = drawn.rim;
+    DrawnPairs::Ends begin{};
+    for (const auto& end : drawn.ends) {
+      unsifted(points_.near, drawn.near.between(begin.near, end.near));
+      unsifted(points_.far, drawn.far.between(begin.far, end.far));
+      sifted(rim.subspan(begin.rim, end.rim - begin.rim), &end == &drawn.ends.back());
       begin = end;
     }
   }
@@ -172,23 +155,23 @@ class PairForceOf final : public PairForce {
   }
 
   template <class L>
-  using Kernel = void (*)(const L&, const KernelUnits&, const Weight&, const PairBlock&,
+  using Kernel = void (*)(const L&, const KernelUnits&, const Weight&, const LaneView&,
                           const PairJob&, PairTally&);
   template <class L>
   using Kernels = std::array<std::array<Kernel<L>, 2>, mostPoints>;
 
   /// By number of points less one, without and with energies.
   static constexpr auto kernels = []<std::size_t... N>(std::index_sequence<N...>) {
-    return Kernels<Law>{{{addBlock<false, static_cast<int>(N) + 1, Law>,
-                          addBlock<true, static_cast<int>(N) + 1, Law>}...}};
+    return Kernels<Law>{{{addPairs<false, static_cast<int>(N) + 1, Law>,
+                          addPairs<true, static_cast<int>(N) + 1, Law>}...}};
   }
   (std::make_index_sequence<mostPoints>{});
   static constexpr auto singleKernels = []<std::size_t... N>(std::index_sequence<N...>) {
     if constexpr (std::is_same_v<Single, NoSingle>)
       return Kernels<Single>{};
     else
-      return Kernels<Single>{{{addBlockSingle<false, static_cast<int>(N) + 1, Single>,
-                               addBlockSingle<true, static_cast<int>(N) + 1, Single>}...}};
+      return Kernels<Single>{{{addPairsSingle<false, static_cast<int>(N) + 1, Single>,
+                               addPairsSingle<true, static_cast<int>(N) + 1, Single>}...}};
   }
   (std::make_index_sequence<mostPoints>{});
 

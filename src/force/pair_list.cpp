@@ -109,17 +109,6 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const
   return shares;
 }
 
-void interleave(std::vector<ListPair>& pairs) {
-  constexpr std::size_t streams = 8, stretch = 32 * streams;
-  std::vector<ListPair> copy;
-  for (std::size_t first = 0; first < pairs.size(); first += stretch) {
-    const std::size_t length = std::min(stretch, pairs.size() - first) / streams;
-    ListPair* const to = &pairs[first];
-    copy.assign(to, to + length * streams);
-    for (std::size_t k = 0; k < copy.size(); ++k) to[k] = copy[k % streams * length + k / streams];
-  }
-}
-
 void PairList::build(const State& state, const CellGrid& grid, const CellIndex& cells,
                      const std::vector<Share>& shares, double range, int exclude) {
   const MinimumImage nearest(state.box);
@@ -139,9 +128,7 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     const Share share = shares[t];
     auto mine = [share](int i) { return i >= share.begin && i < share.end; };
-    auto& lists = threads_[t];
-    lists.inner.clear();
-    lists.outer.clear();
+    Parts<std::vector<ListPair>> lists;
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -181,8 +168,8 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
         }
       }
     }
-    interleave(lists.inner);
-    interleave(lists.outer);
+    threads_[t].inner.set(lists.inner, owned);
+    threads_[t].outer.set(lists.outer, state.local());
   }
 }
 
@@ -190,16 +177,17 @@ void PairList::count(std::vector<double>& pairs) const {
   const auto owned = static_cast<std::int32_t>(pairs.size());
   for (std::size_t t = 0; t < threads_.size(); ++t)
     for (const auto* list : {&threads_[t].inner, &threads_[t].outer})
-      for (const ListPair& p : *list)
+      list->forEach([&](const ListPair& p) {
         for (std::int32_t k : {p.i, p.j})
           // A pair of two threads stands in both lists.
           if (k < owned && k >= shares_[t].begin && k < shares_[t].end)
             pairs[static_cast<std::size_t>(k)] += 0.5;
+      });
 }
 
 std::int64_t PairList::size() const {
   std::int64_t n = 0;
-  for (const auto& t : threads_) n += static_cast<std::int64_t>(t.inner.size() + t.outer.size());
+  for (const auto& t : threads_) n += static_cast<std::int64_t>(t.inner.pairs() + t.outer.pairs());
   return n;
 }
 

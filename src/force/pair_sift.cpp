@@ -2,30 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <cstring>
 
 #include "nanoweft/force/gather.hpp"
 
 namespace nanoweft {
 
 namespace {
-
-/// Second segments lie anywhere: what will be read and written of them is fetched in time.
-NW_INLINE void fetchAhead(const PairJob& job, std::span<const ListPair> pairs) {
-  constexpr std::size_t ahead = 64;
-  if (ahead + laneCount > pairs.size()) return;
-  for (std::size_t k = 0; k < laneCount; ++k) {
-    const auto partner = static_cast<std::size_t>(pairs[ahead + k].j);
-    __builtin_prefetch(job.pose + 8 * partner);
-    __builtin_prefetch(job.sum + partner, 1);  // even if that of a ghost is not there
-  }
-}
-
-NW_INLINE Vec3<Lanes> separationOf(const PairJob& job, const std::int32_t* i,
-                                   const std::int32_t* j) {
-  return (*job.nearest)(gatherPositions(job.pose, j) - gatherPositions(job.pose, i));
-}
 
 /// The segments of a SIMD group of pairs; lanes beyond the last pair repeat it.
 NW_INLINE void segmentsOf(std::span<const ListPair> pairs, std::int32_t* i, std::int32_t* j) {
@@ -40,126 +22,73 @@ NW_INLINE void segmentsOf(std::span<const ListPair> pairs, std::int32_t* i, std:
 
 }  // namespace
 
-void PairBlock::close(const PairJob& job) {
-  for (int n = count; n % laneCount; ++n) {
-    i[n] = i[n - 1];
-    j[n] = j[n - 1];
-    x[n] = x[n - 1];
-    y[n] = y[n - 1];
-    z[n] = z[n - 1];
-  }
-  const LaneNumbers spare = LaneNumbers{} + job.spare;
-  auto place = [&](const std::int32_t* segments, std::int32_t* sums) {
-    for (int k = 0; k < count; k += laneCount) {
-      const LaneNumbers s = loadNumbers(segments + k);
-      const LaneNumbers places = (s >= job.begin) & (s < job.end) ? s : spare;
-      std::memcpy(sums + k, &places, sizeof places);
-    }
-    for (int n = count; n % laneCount; ++n) sums[n] = job.spare;
-  };
-  place(i, sumI);
-  place(j, sumJ);
+void PairBlock::put(unsigned chosen, const std::int32_t* i, const std::int32_t* j) {
+  packLanes(chosen, i, i_ + count_);
+  packLanes(chosen, j, j_ + count_);
+  count_ += std::popcount(chosen);
 }
 
-void takeAll(const PairJob& job, std::span<const ListPair> pairs, PairBlock& block) {
-  block.count = static_cast<int>(std::min<std::size_t>(PairBlock::capacity, pairs.size()));
-  for (int k = 0; k < block.count; k += laneCount) {
-    const auto rest = pairs.subspan(static_cast<std::size_t>(k));
-    fetchAhead(job, rest);
-    segmentsOf(rest, block.i + k, block.j + k);
-    const Vec3<Lanes> d = separationOf(job, block.i + k, block.j + k);
-    d.x.copy_to(block.x + k, stdx::element_aligned);
-    d.y.copy_to(block.y + k, stdx::element_aligned);
-    d.z.copy_to(block.z + k, stdx::element_aligned);
+LaneView PairBlock::close() {
+  const int groups = (count_ + laneCount - 1) / laneCount;
+  for (int n = count_; n < groups * laneCount; ++n) {
+    i_[n] = i_[n - 1];
+    j_[n] = j_[n - 1];
   }
-  block.close(job);
+  for (int n = 0; n < groups * laneCount; ++n) {
+    groups_[n / laneCount].first[n % laneCount] = i_[n];
+    groups_[n / laneCount].count[n % laneCount] = n < count_;
+  }
+  return {{groups_, static_cast<std::size_t>(groups)}, j_, j_ + groups * laneCount};
 }
 
-PairSift::PairSift(const PairJob& job, const Switch& blend, double reach)
-    : job_(job),
+PairSift::PairSift(const double* pose, const MinimumImage& nearest, const Switch& blend,
+                   double reach)
+    : pose_(pose),
+      nearest_(nearest),
       from2_(blend.from * blend.from),
       to2_(blend.to * blend.to),
-      reach2_(reach * reach),
-      blends_(std::isfinite(blend.to)) {
-  if (!job.draws) return;
-  // Of the core all have to be near until the next drawing; out of reach they would do no harm.
-  const double core = std::min(reach, blend.from - (job.drawnRange - reach));
-  core2_ = core > 0 ? core * core : 0.0;
-  drawn2_ = job.drawnRange * job.drawnRange;
-}
-
-void PairSift::goOn(std::span<const ListPair> pairs) {
-  pairs_ = pairs;
-  if (!job_.draws) return;
-  // Whole vectors are written, of which a part counts.
-  auto makeRoom = [&](std::vector<ListPair>& to, std::size_t used) {
-    if (const std::size_t needed = used + pairs.size() + laneCount; to.size() < needed)
-      to.resize(needed);
-  };
-  makeRoom(job_.drawn->core, drawn_.core);
-  makeRoom(job_.drawn->rim, drawn_.rim);
-}
+      reach2_(reach * reach) {}
 
 void PairSift::sift() {
   const std::size_t used = std::min<std::size_t>(laneCount, pairs_.size());
   alignas(64) std::int32_t i[laneCount], j[laneCount];
-  fetchAhead(job_, pairs_);
+  constexpr std::size_t ahead = 32;
+  if (ahead + laneCount <= pairs_.size())
+    for (std::size_t k = 0; k < laneCount; ++k) {
+      const ListPair& p = pairs_[ahead + k];
+      __builtin_prefetch(pose_ + 8 * static_cast<std::size_t>(p.i));
+      __builtin_prefetch(pose_ + 8 * static_cast<std::size_t>(p.j));
+    }
   segmentsOf(pairs_, i, j);
-  const Vec3<Lanes> d = separationOf(job_, i, j);
-  const Lanes r2 = dot(d, d);
-  const unsigned valid = (1u << used) - 1;
-  if (job_.draws) {
-    static_assert(sizeof(ListPair) == sizeof(double));
-    alignas(64) double words[laneCount], packed[laneCount];
-    std::memcpy(words, pairs_.data(), used * sizeof(double));
-    const Lanes all(words, stdx::vector_aligned);
-    auto draw = [&](unsigned chosen, std::vector<ListPair>& to, std::size_t& end) {
-      packLanes(chosen, all, packed);
-      std::memcpy(static_cast<void*>(&to[end]), packed, sizeof packed);
-      end += static_cast<std::size_t>(std::popcount(chosen));
-    };
-    const unsigned core = lanesBelow(r2, core2_) & valid;
-    draw(core, job_.drawn->core, drawn_.core);
-    draw(lanesBelow(r2, drawn2_) & valid & ~core, job_.drawn->rim, drawn_.rim);
-  }
   pairs_ = pairs_.subspan(used);
-  const unsigned inNear = lanesBelow(r2, from2_) & valid, inBlend = lanesBelow(r2, to2_) & valid,
-                 inReach = lanesBelow(r2, reach2_) & valid;
+  const Vec3<Lanes> d = nearest_(gatherPositions(pose_, j) - gatherPositions(pose_, i));
+  const Lanes r2 = dot(d, d);
+  const unsigned inNear = lanesBelow(r2, from2_), inBlend = lanesBelow(r2, to2_),
+                 inReach = lanesBelow(r2, reach2_) & ((1u << used) - 1);
   if (!inReach) return;
-  auto pack = [&](Class which, unsigned chosen) {
-    PairBlock& b = blocks_[which];
-    packLanes(chosen, i, b.i + b.count);
-    packLanes(chosen, j, b.j + b.count);
-    packLanes(chosen, d.x, b.x + b.count);
-    packLanes(chosen, d.y, b.y + b.count);
-    packLanes(chosen, d.z, b.z + b.count);
-    b.count += std::popcount(chosen);
-  };
-  pack(near, inReach & inNear);
-  if (!blends_) return;
-  pack(blended, inReach & inBlend & ~inNear);
-  pack(far, inReach & ~inBlend);
+  blocks_[near].put(inReach & inNear, i, j);
+  if (!(inReach & ~inNear)) return;
+  blocks_[blended].put(inReach & inBlend & ~inNear, i, j);
+  blocks_[far].put(inReach & ~inBlend & ~inNear, i, j);
 }
 
-const PairBlock* PairSift::handOut(Class which, Class& result) {
-  PairBlock& b = blocks_[which];
-  b.close(job_);
-  given_ = &b;
+PairBlock* PairSift::handOut(Class which, Class& result) {
+  given_ = &blocks_[which];
   result = which;
-  return &b;
+  return given_;
 }
 
-const PairBlock* PairSift::next(Class& which, bool last) {
-  if (given_) given_->count = 0;
+PairBlock* PairSift::next(Class& which, bool last) {
+  if (given_) given_->clear();
   given_ = nullptr;
   while (!pairs_.empty()) {
     for (Class c : {near, blended, far})
-      if (blocks_[c].count > PairBlock::capacity - 2 * laneCount) return handOut(c, which);
+      if (blocks_[c].count() > PairBlock::capacity - 2 * laneCount) return handOut(c, which);
     sift();
   }
   if (!last) return nullptr;
   for (Class c : {near, blended, far})
-    if (blocks_[c].count > 0) return handOut(c, which);
+    if (blocks_[c].count() > 0) return handOut(c, which);
   return nullptr;
 }
 

@@ -258,23 +258,30 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
   const auto actions = actionsAt(boundaries, state.time, state.time + h);
   const auto& shares = forces.shares();
   std::vector<DriftReport> reports(shares.size());
+  forces.startFollowing();
 #pragma omp parallel num_threads(static_cast <int>(shares.size()))
   {
     const auto t = static_cast<std::size_t>(omp_get_thread_num());
     Kicker second(state, forces, boundaries, actionsThen, damping_, h);
     Kicker first(state, forces, boundaries, actions, damping_, h);
     Drifter drift(state, forces, dt_);
-    inGroups(shares[t], [&](std::int32_t begin, std::int32_t end) {
-      if (owed_) {
-        forces.complete(state, begin, end);
-        second(begin, end);
-      }
-      first(begin, end);
-      // Ready for the next forces, while they are in the cache.
-      std::fill(state.force + 3 * begin, state.force + 3 * end, 0.0);
-      std::fill(state.torque + 3 * begin, state.torque + 3 * end, 0.0);
-      drift(begin, end);
-    });
+    // Segments that still are in the cache when their bonds follow.
+    constexpr std::int32_t stretch = 64 * laneCount;
+    for (Share part{shares[t].begin, 0}; part.begin < shares[t].end; part.begin = part.end) {
+      part.end = std::min(part.begin + stretch, shares[t].end);
+      inGroups(part, [&](std::int32_t begin, std::int32_t end) {
+        if (owed_) {
+          forces.complete(state, begin, end);
+          second(begin, end);
+        }
+        first(begin, end);
+        // Ready for the next forces.
+        std::fill(state.force + 3 * begin, state.force + 3 * end, 0.0);
+        std::fill(state.torque + 3 * begin, state.torque + 3 * end, 0.0);
+        drift(begin, end);
+      });
+      forces.follow(state, static_cast<int>(t), part.end);
+    }
     reports[t] = drift.report();
 #pragma omp critical
     {

@@ -15,24 +15,23 @@ struct Field {
   const char* name;
   PetscDataType type;
   int count;
-  std::size_t bytes;
 };
 
 // DMSwarm_pid is the id that every DMSwarm carries; it holds the row.
 constexpr Field fields[] = {
-    {"pose", PETSC_DOUBLE, 8, 64},
-    {"velocity", PETSC_DOUBLE, 3, 24},
-    {"angular_velocity", PETSC_DOUBLE, 3, 24},
-    {"force", PETSC_DOUBLE, 3, 24},
-    {"torque", PETSC_DOUBLE, 3, 24},
-    {"fibre", PETSC_INT64, 1, 8},
-    {"chain", PETSC_INT, 2, 8},
-    {"bond", PETSC_INT, 1, 4},
-    {"group", PETSC_INT, 1, 4},
-    {"image", PETSC_INT, 3, 12},
+    {"pose", PETSC_DOUBLE, 8},
+    {"velocity", PETSC_DOUBLE, 3},
+    {"angular_velocity", PETSC_DOUBLE, 3},
+    {"force", PETSC_DOUBLE, 3},
+    {"torque", PETSC_DOUBLE, 3},
+    {"fibre", PETSC_INT64, 1},
+    {"chain", PETSC_INT, 2},
+    {"bond", PETSC_INT, 1},
+    {"group", PETSC_INT, 1},
+    {"image", PETSC_INT, 3},
 };
-constexpr Field gapField{"gap", PETSC_INT64, 4, 32};
-constexpr Field viscousField{"viscous", PETSC_DOUBLE, 6, 48};
+constexpr Field gapField{"gap", PETSC_INT64, 4};
+constexpr Field viscousField{"viscous", PETSC_DOUBLE, 6};
 static_assert(sizeof(PetscInt) == 4, "the int32 fields are registered as PetscInt");
 
 template <class T>
@@ -196,29 +195,55 @@ void State::migrate(const std::vector<int>& destination) {
                           static_cast<long long>(step)));
 }
 
-void State::permute(const std::vector<int>& order) {
-  std::vector<char> copy;
-  auto apply = [&](void* data, std::size_t bytes) {
-    copy.resize(order.size() * bytes);
-    const char* from = static_cast<const char*>(data);
-    for (std::size_t k = 0; k < order.size(); ++k)
-      std::memcpy(copy.data() + k * bytes, from + static_cast<std::size_t>(order[k]) * bytes,
+namespace {
+
+/// Places first <= k < last of an order that has no other places there: the rest stays as it is.
+struct Stretch {
+  std::size_t first, last;
+};
+
+std::vector<Stretch> movedStretches(const std::vector<int>& order) {
+  std::vector<Stretch> moved;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (order[k] == static_cast<int>(k)) continue;
+    const std::size_t first = k;
+    auto farthest = static_cast<std::size_t>(order[k]);
+    while (k < farthest && k + 1 < order.size())
+      farthest = std::max(farthest, static_cast<std::size_t>(order[++k]));
+    moved.push_back({first, k + 1});
+  }
+  return moved;
+}
+
+/// Reorders values of a fixed size.
+template <std::size_t bytes>
+void reorder(void* data, const std::vector<int>& order, const std::vector<Stretch>& moved,
+             std::vector<char>& copy) {
+  char* const values = static_cast<char*>(data);
+  for (const Stretch& s : moved) {
+    copy.resize((s.last - s.first) * bytes);
+    for (std::size_t k = s.first; k < s.last; ++k)
+      std::memcpy(&copy[(k - s.first) * bytes], values + static_cast<std::size_t>(order[k]) * bytes,
                   bytes);
-    std::memcpy(data, copy.data(), copy.size());
-  };
-  apply(pose, 64);
-  apply(velocity, 24);
-  apply(angular, 24);
-  apply(force, 24);
-  apply(torque, 24);
-  apply(row, 8);
-  apply(fibre, 8);
-  apply(chain, 8);
-  apply(bond, 4);
-  apply(group, 4);
-  apply(image, 12);
-  if (gap) apply(gap, gapField.bytes);
-  if (viscous) apply(viscous, viscousField.bytes);
+    std::memcpy(values + s.first * bytes, copy.data(), copy.size());
+  }
+}
+
+}  // namespace
+
+void State::permute(const std::vector<int>& order) {
+  const auto moved = movedStretches(order);
+  std::vector<char> copy;
+  reorder<64>(pose, order, moved, copy);
+  for (double* field : {velocity, angular, force, torque}) reorder<24>(field, order, moved, copy);
+  reorder<8>(row, order, moved, copy);
+  reorder<8>(fibre, order, moved, copy);
+  reorder<8>(chain, order, moved, copy);
+  reorder<4>(bond, order, moved, copy);
+  reorder<4>(group, order, moved, copy);
+  reorder<12>(image, order, moved, copy);
+  if (gap) reorder<32>(gap, order, moved, copy);
+  if (viscous) reorder<48>(viscous, order, moved, copy);
 }
 
 }  // namespace nanoweft

@@ -51,7 +51,6 @@ struct Scene {
         }
         if (d2 < 63.28 * 63.28) pairs.push_back({i, j});
       }
-    interleave(pairs);
     sums.resize(pose.size() / 8 + 1);
   }
 };
@@ -68,21 +67,19 @@ void pairResolution(benchmark::State& state, const char* options) {
   Scene scene;
   const auto force = makeForce(options);
   const MinimumImage nearest{Box{}};
+  PairRuns listed;
+  listed.set(scene.pairs, static_cast<int>(scene.pose.size() / 8));
+  // Drawn once, as it is for ten steps or more.
+  DrawnPairs drawn;
+  force->draw(listed, scene.pose.data(), nearest, 1.0, drawn);
   PairJob job;
   job.pose = scene.pose.data();
-  job.listed = scene.pairs;
+  job.drawn = &drawn;
   job.begin = 0;
   job.end = job.spare = static_cast<std::int32_t>(scene.pose.size() / 8);
   job.sum = scene.sums.data();
   job.nearest = &nearest;
   PairTally tally;
-  // Drawn once, as it is for ten steps or more.
-  DrawnPairs drawn;
-  job.drawn = &drawn;
-  job.draws = true;
-  job.drawnRange = force->reach() + 1.0;
-  force->add(job, false, tally);
-  job.draws = false;
   for (auto _ : state) {
     force->add(job, false, tally);
     benchmark::DoNotOptimize(scene.sums.data());

@@ -1,9 +1,11 @@
-/// Pairs drawn from a list, threads' shares of the sums, and the order of the list: whatever the
-/// way, the sums have the same bits.
+/// Pairs drawn from a list, their order in lanes, and threads' shares of the sums: whatever the
+/// way, the sums have the same bits as those of every pair on its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <map>
 
 #include "nanoweft/base/floats.hpp"
 #include "nanoweft/force/pair_list.hpp"
@@ -18,8 +20,8 @@ struct Ball {
   std::vector<ListPair> pairs;
   std::int32_t n = 0;
 
-  explicit Ball(Random& random) {
-    for (; n < 150; ++n) {
+  explicit Ball(Random& random, int size = 150) {
+    for (; n < size; ++n) {
       const Vec3d x = random.vector(40.0);
       const Quatd q = random.orientation();
       pose.insert(pose.end(), {x.x, x.y, x.z, 0, q.w, q.x, q.y, q.z});
@@ -29,11 +31,27 @@ struct Ball {
   }
 };
 
+DrawnPairs draw(const PairForce& force, const Ball& ball, std::span<const ListPair> pairs,
+                double margin) {
+  PairRuns listed;
+  listed.set(pairs, ball.n);
+  DrawnPairs drawn;
+  force.draw(listed, ball.pose.data(), MinimumImage{Box{}}, margin, drawn);
+  return drawn;
+}
+
 struct Sums {
   std::vector<ForceSum> records;
   ExactSum energy;
-  std::int64_t resolved;
+  std::int64_t resolved = 0;
 
+  explicit Sums(const Ball& ball) : records(static_cast<std::size_t>(ball.n), ForceSum{}) {}
+  void operator+=(const Sums& other) {
+    for (std::size_t i = 0; i < records.size(); ++i)
+      for (std::size_t c = 0; c < 8; ++c) records[i].at[c] += other.records[i].at[c];
+    energy.merge(other.energy);
+    resolved += other.resolved;
+  }
   bool operator==(const Sums& other) const {
     return std::memcmp(records.data(), other.records.data(), records.size() * sizeof(ForceSum)) ==
                0 &&
@@ -42,45 +60,69 @@ struct Sums {
 };
 
 /// The sums of the segments begin <= k < end, without the spare record.
-Sums sumsOf(const PairForce& force, const Ball& ball, DrawnPairs* drawn, bool draws, double margin,
-            std::int32_t begin, std::int32_t end, bool energies = true) {
-  std::vector<ForceSum> sum(static_cast<std::size_t>(ball.n) + 1, ForceSum{});
+Sums sumsOf(const PairForce& force, const Ball& ball, const DrawnPairs& drawn, std::int32_t begin,
+            std::int32_t end, bool energies = true) {
+  Sums sums(ball);
+  sums.records.push_back({});
   const MinimumImage nearest{Box{}};
   PairJob job;
   job.pose = ball.pose.data();
-  job.listed = ball.pairs;
-  job.drawn = drawn;
-  job.draws = draws;
-  job.drawnRange = force.reach() + margin;
+  job.drawn = &drawn;
   job.begin = begin;
   job.end = end;
   job.spare = ball.n;
-  job.sum = sum.data();
+  job.sum = sums.records.data();
   job.nearest = &nearest;
   PairTally tally;
   tally.energyUnit = SumUnit(1.0);
   force.add(job, energies, tally);
-  sum.pop_back();
-  return {sum, tally.energy, tally.resolved};
+  sums.records.pop_back();
+  sums.energy = tally.energy;
+  sums.resolved = tally.resolved;
+  return sums;
+}
+
+Sums allSums(const PairForce& force, const Ball& ball, double margin, bool energies = true) {
+  return sumsOf(force, ball, draw(force, ball, ball.pairs, margin), 0, ball.n, energies);
 }
 
 class DrawnPairsOf : public testing::TestWithParam<const char*> {};
 
-TEST_P(DrawnPairsOf, GiveTheSumsOfTheList) {
+TEST_P(DrawnPairsOf, GiveTheSumsOfEveryPairOnItsOwn) {
+  const auto force = makeForce(GetParam());
+  Random random;
+  for (int size : {2, 3, 9, 17, 40}) {
+    const Ball ball(random, size);
+    Sums sum(ball);
+    for (const ListPair& pair : ball.pairs)
+      sum += sumsOf(*force, ball, draw(*force, ball, {&pair, 1}, 1.0), 0, ball.n);
+    const Sums together = allSums(*force, ball, 1.0);
+    EXPECT_TRUE(together == sum);
+    EXPECT_EQ(together.resolved, sum.resolved);
+    // Forces do not depend on whether energies are asked for.
+    const Sums forces = allSums(*force, ball, 1.0, false);
+    EXPECT_EQ(std::memcmp(forces.records.data(), sum.records.data(),
+                          sum.records.size() * sizeof(ForceSum)),
+              0);
+  }
+}
+
+TEST_P(DrawnPairsOf, ServeUntilASegmentHasMovedByHalfTheMargin) {
   const auto force = makeForce(GetParam());
   Random random;
   const double margin = 3.0;
   for (int round = 0; round < 3; ++round) {
     Ball ball(random);
-    const Sums listed = sumsOf(*force, ball, nullptr, false, margin, 0, ball.n);
-    ASSERT_GT(listed.resolved, 50);
-    DrawnPairs drawn;
-    EXPECT_TRUE(sumsOf(*force, ball, &drawn, true, margin, 0, ball.n) == listed);
-    EXPECT_LT(drawn.ends.back().core + drawn.ends.back().rim, ball.pairs.size());
-    EXPECT_GT(drawn.ends.back().rim, 0u);
-    for (int k = 0; k < 3; ++k) {
-      EXPECT_TRUE(sumsOf(*force, ball, &drawn, false, margin, 0, ball.n) ==
-                  sumsOf(*force, ball, nullptr, false, margin, 0, ball.n));
+    const DrawnPairs drawn = draw(*force, ball, ball.pairs, margin);
+    const std::size_t rim = drawn.ends.back().rim;
+    EXPECT_GT(rim, 0u);
+    EXPECT_LT(rim, ball.pairs.size());
+    for (int k = 0; k < 4; ++k) {
+      const Sums sums = sumsOf(*force, ball, drawn, 0, ball.n);
+      ASSERT_GT(sums.resolved, 50);
+      // With another margin other pairs are of the rim.
+      EXPECT_TRUE(sums == allSums(*force, ball, 0.0));
+      EXPECT_TRUE(sums == allSums(*force, ball, 10.0));
       // In all less than half the margin.
       for (std::size_t i = 0; i < ball.pose.size(); i += 8) {
         const Vec3d way = random.vector(1.0), d = (0.49 / norm(way)) * way;
@@ -96,9 +138,10 @@ TEST_P(DrawnPairsOf, SharesOfTheSumsAreThoseOfTheWhole) {
   const auto force = makeForce(GetParam());
   Random random;
   const Ball ball(random);
-  const Sums whole = sumsOf(*force, ball, nullptr, false, 1.0, 0, ball.n, false);
+  const DrawnPairs drawn = draw(*force, ball, ball.pairs, 1.0);
+  const Sums whole = sumsOf(*force, ball, drawn, 0, ball.n, false);
   for (const auto& [begin, end] : {std::pair{0, 61}, std::pair{61, 150}, std::pair{90, 90}}) {
-    const Sums share = sumsOf(*force, ball, nullptr, false, 1.0, begin, end, false);
+    const Sums share = sumsOf(*force, ball, drawn, begin, end, false);
     for (std::int32_t i = 0; i < ball.n; ++i) {
       const bool mine = i >= begin && i < end;
       for (std::size_t c = 0; c < 8; ++c)
@@ -112,9 +155,9 @@ TEST_P(DrawnPairsOf, TheOrderOfTheListDoesNotMatter) {
   const auto force = makeForce(GetParam());
   Random random;
   Ball ball(random);
-  const Sums before = sumsOf(*force, ball, nullptr, false, 1.0, 0, ball.n);
-  interleave(ball.pairs);
-  EXPECT_TRUE(sumsOf(*force, ball, nullptr, false, 1.0, 0, ball.n) == before);
+  const Sums before = allSums(*force, ball, 1.0);
+  std::reverse(ball.pairs.begin(), ball.pairs.end());
+  EXPECT_TRUE(allSums(*force, ball, 1.0) == before);
 }
 
 std::vector<const char*> allOptions() {
@@ -125,18 +168,53 @@ std::vector<const char*> allOptions() {
 }
 INSTANTIATE_TEST_SUITE_P(Laws, DrawnPairsOf, testing::ValuesIn(allOptions()));
 
-TEST(Interleave, KeepsAllPairsAndSeparatesNeighbours) {
-  for (std::int32_t n : {0, 1, 7, 8, 9, 255, 256, 257, 1000}) {
+TEST(PairRuns, HoldWhatTheyWereGiven) {
+  for (std::int32_t size : {0, 1, 5, 60}) {
     std::vector<ListPair> pairs;
-    for (std::int32_t k = 0; k < n; ++k) pairs.push_back({k / 10, k});
-    auto mixed = pairs;
-    interleave(mixed);
-    for (std::size_t k = 0; n >= 256 && k + 1 < 8; ++k) EXPECT_NE(mixed[k].i, mixed[k + 1].i);
-    std::sort(mixed.begin(), mixed.end(),
-              [](const ListPair& a, const ListPair& b) { return a.j < b.j; });
-    ASSERT_EQ(mixed.size(), pairs.size());
-    for (std::size_t k = 0; k < pairs.size(); ++k) EXPECT_EQ(mixed[k].j, pairs[k].j);
+    for (std::int32_t k = 0; k < 4 * size; ++k) pairs.push_back({k * k % (size + 1), k});
+    PairRuns runs;
+    runs.set(pairs, size + 1);
+    EXPECT_EQ(runs.pairs(), pairs.size());
+    std::vector<ListPair> found;
+    runs.forEach([&](const ListPair& p) { found.push_back(p); });
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const ListPair& a, const ListPair& b) { return a.i < b.i; });
+    ASSERT_EQ(found.size(), pairs.size());
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      EXPECT_EQ(found[k].i, pairs[k].i);
+      EXPECT_EQ(found[k].j, pairs[k].j);
+    }
   }
+}
+
+TEST(LanePairs, HaveEveryPairOnceAndWasteFewLanes) {
+  LanePairs lanes;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> wanted, found;
+  LanePairs::Place begin = lanes.end();
+  std::size_t pairs = 0;
+  for (int stretch = 0; stretch < 3; ++stretch) {
+    for (std::int32_t i = 0; i < 200; ++i) {
+      std::vector<std::int32_t> partners;
+      for (std::int32_t j = 0; j < 5 + i % 13; ++j) partners.push_back(1000 * stretch + i + j);
+      if (i % 7 == 0) partners.clear();
+      lanes.add(i, partners);
+      for (const std::int32_t j : partners) ++wanted[{i, j}];
+      pairs += partners.size();
+    }
+    lanes.arrange();
+    const LaneView view = lanes.between(begin, lanes.end());
+    begin = lanes.end();
+    const std::int32_t* partner = view.partners;
+    for (const LaneGroup& group : view.groups) {
+      EXPECT_EQ(group.depth(), *std::max_element(group.count, group.count + laneCount));
+      for (int k = 0; k < group.depth(); ++k)
+        for (int lane = 0; lane < laneCount; ++lane, ++partner)
+          if (k < group.count[lane]) ++found[{group.first[lane], *partner}];
+    }
+    EXPECT_EQ(partner, lanes.between(begin, begin).partners);
+  }
+  EXPECT_TRUE(found == wanted);
+  EXPECT_LT(static_cast<double>(begin.partner), 1.06 * static_cast<double>(pairs));
 }
 
 }  // namespace

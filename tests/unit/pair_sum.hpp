@@ -44,9 +44,13 @@ inline Sum evaluate(const PairForce& force, const std::vector<Pose>& segments) {
     for (std::int32_t j = i + 1; j < n; ++j) pairs.push_back({i, j});
   std::vector<ForceSum> sum(segments.size() + 1, ForceSum{});
   const MinimumImage nearest{Box{}};
+  PairRuns listed;
+  listed.set(pairs, n);
+  DrawnPairs drawn;
+  force.draw(listed, pose.data(), nearest, 1.0, drawn);
   PairJob job;
   job.pose = pose.data();
-  job.listed = pairs;
+  job.drawn = &drawn;
   job.begin = 0;
   job.end = job.spare = n;
   job.sum = sum.data();

@@ -24,7 +24,6 @@ struct ForceRequest {
   bool mayBreak = true;
   bool viscous = true;   ///< false: leave State::viscous as it is
   bool complete = true;  ///< false: pair forces are left to ForceField::complete
-  bool cleared = false;  ///< State::force and torque are zero already
 };
 
 class ForceField {
@@ -48,6 +47,13 @@ class ForceField {
   /// To be called when a segment has `moved`: sees to it that no pair is missing, by a rebuild or,
   /// when the list still has them all, by drawing the present pairs from it anew. Collective.
   void refresh(State& state, Domain& domain);
+
+  /// For somebody who moves all segments and sets their forces to zero, each thread its own in
+  /// their order: adds bond forces while all that they need is in the cache. `startFollowing` once,
+  /// then `follow` on every thread again and again: its segments below `end` are at their places.
+  /// The next evaluation adds the rest.
+  void startFollowing();
+  void follow(State& state, int thread, std::int32_t end);
 
   /// Sets State::force and torque of the owned segments (and viscous, with viscous damping).
   ForceOutcome evaluate(State& state, Halo& halo, const ForceRequest& request);
@@ -83,7 +89,7 @@ class ForceField {
     const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
     return dot(d, d);
   }
-  void startSift(const State& state);
+  void startDrawing(const State& state);
   void tuneMargin(const State& state);
   void tuneSkin(const State& state);
   void noteWork(const State& state, Domain& domain);
@@ -93,19 +99,22 @@ class ForceField {
   SumUnit energyUnit_;
   double skin_, skinLimit_;  ///< of the list
   double margin_;            ///< of the present pairs, drawn from the list
-  bool sift_ = false;        ///< the next evaluation draws them
+  bool draw_ = false;        ///< the next evaluation draws them
   PairList pairs_;
   BondList bonds_;
+  std::vector<BondTally> followed_;  ///< what `follow` found, a thread each
+  bool bondsKnown_ = false;          ///< State::force holds all that `follow` can know
   std::vector<Share> shares_;
-  std::vector<double> listed_, reference_;  ///< [3]: where segments were at the rebuild, the sift
+  std::vector<double> listed_,
+      reference_;  ///< [3]: where segments were at the rebuild, the drawing
   std::vector<double> work_;
   std::vector<ForceSum> sums_;
   std::vector<std::int64_t> viscousSums_;  ///< [6] a segment
   std::int64_t rebuilds_ = 0, resolved_ = 0;
   // Since the last rebuild, for tuning the skin.
-  double siftSeconds_ = 0, rebuildSeconds_ = 0;
+  double drawSeconds_ = 0, rebuildSeconds_ = 0;
   std::int64_t evaluations_ = 0;
-  std::int64_t siftStep_ = -1;  ///< step of the last sift, for tuning the margin
+  std::int64_t drawStep_ = -1;  ///< step of the last drawing, for tuning the margin
   PetscLogEvent rebuildEvent_, bondEvent_, pairEvent_, haloEvent_;
 };
 

@@ -9,36 +9,18 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/force/pair_draw.hpp"
 #include "nanoweft/force/sums.hpp"
 #include "nanoweft/force/switch.hpp"
 #include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
-
-/// Two local indices; the first has the lower row, so both sides of a rank boundary compute alike.
-struct ListPair {
-  std::int32_t i, j;
-};
-
-/// Pairs drawn from a list, for the steps to come.
-struct DrawnPairs {
-  std::vector<ListPair> core;  ///< in reach when drawn: resolved without looking at their distance
-  std::vector<ListPair> rim;   ///< those that may be in reach before the next drawing
-  /// Where both end for one stretch of the list after the other: those of a stretch are resolved
-  /// together, since their segments are in the cache. (The vectors may be longer than that.)
-  struct Ends {
-    std::size_t core, rim;
-  };
-  std::vector<Ends> ends;
-};
 
 /// Viscous damping of interacting pairs (physics.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
 struct ViscousDamping {
@@ -49,13 +31,8 @@ struct ViscousDamping {
 /// A thread's share of the pair sum. Sums go to the segments begin <= k < end alone, as integer
 /// multiples of the force's units, so their order does not matter.
 struct PairJob {
-  const double* pose;                ///< [8] a segment
-  std::span<const ListPair> listed;  ///< those within reach are resolved
-  /// With `draws`, listed pairs whose centres are within `drawnRange` are put here; else these are
-  /// resolved instead.
-  DrawnPairs* drawn = nullptr;
-  bool draws = false;
-  double drawnRange = 0;
+  const double* pose;              ///< [8] a segment
+  const DrawnPairs* drawn;         ///< those within reach are resolved
   std::int32_t begin, end, spare;  ///< spare: a record of `sum` for what goes to other segments
   ForceSum* sum;
   const MinimumImage* nearest;
@@ -64,6 +41,8 @@ struct PairJob {
   const double* angular = nullptr;
   std::int64_t* viscousSum = nullptr;
   ViscousDamping viscous;
+
+  bool mine(std::int32_t segment) const { return segment >= begin && segment < end; }
 };
 
 struct PairTally {
@@ -89,6 +68,11 @@ class PairForce {
  public:
   virtual ~PairForce() = default;
 
+  /// Draws from a list what `add` goes through until a segment has moved by half the margin.
+  void draw(const PairRuns& listed, const double* pose, const MinimumImage& nearest, double margin,
+            DrawnPairs& drawn) const {
+    drawPairs(listed, pose, nearest, {points_.blend, reach_, margin}, drawn);
+  }
   /// Adds the pairs' forces; `tally.energy` too when `energies`.
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
   /// One pair on its own, `separation` = x_j - x_i: for what looks at the pairs now and then.

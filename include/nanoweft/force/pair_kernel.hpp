@@ -1,4 +1,4 @@
-/// The pair sum, a SIMD lane per pair: n x n point pairs of a block, integer scatter.
+/// The pair sum, a SIMD lane per pair: n x n point pairs, integer sums.
 #pragma once
 
 #include <cmath>
@@ -137,33 +137,34 @@ NW_INLINE PairResult<V> resolvePair(const Law& law, const KernelUnits& units,
   return assemble<N>(sums, units, separation, ei, ej);
 }
 
-/// A SIMD group of a block's pairs.
+/// First segments of a group, a partner of each at a time.
 template <int N>
-struct PairGroup {
-  const std::int32_t *i, *j, *sumI, *sumJ;
-  int used;  ///< lanes beyond repeat a pair and do not count
-  Vec3<Lanes> separation, ei{}, ej{};
+struct LaneRow {
+  const LaneGroup& group;
+  const std::int32_t* j;
+  int place;  ///< among the partners
+  Vec3<Lanes> separation, ei, ej{};
 
-  NW_INLINE PairGroup(const PairBlock& block, const PairJob& job, int first)
-      : i(block.i + first),
-        j(block.j + first),
-        sumI(block.sumI + first),
-        sumJ(block.sumJ + first),
-        used(std::min(laneCount, block.count - first)),
-        separation(block.separation(first)) {
-    if constexpr (N > 1) {
-      ei = axis1(gatherOrientations(job.pose, i));
-      ej = axis1(gatherOrientations(job.pose, j));
-    }
+  NW_INLINE LaneRow(const PairJob& job, const LaneGroup& g, const Vec3<Lanes>& xi,
+                    const Vec3<Lanes>& axis, const std::int32_t* partners, int k)
+      : group(g),
+        j(partners + k * laneCount),
+        place(k),
+        separation((*job.nearest)(gatherPositions(job.pose, j) - xi)),
+        ei(axis) {
+    if constexpr (N > 1) ej = axis1(gatherOrientations(job.pose, j));
   }
+  NW_INLINE PairShape<Lanes> shape() const { return shapeOf(separation, ei, ej); }
+  /// Lanes whose first segment has no partner left do not count.
+  NW_INLINE bool counts(int lane) const { return place < group.count[lane]; }
 };
 
-/// Viscous forces of those pairs of a group of which points are within the cutoff (physics.md 5).
+/// Viscous forces of those pairs of a row of which points are within the cutoff (physics.md 5).
 /// Not inlined: seldom used, it would take registers from the rest.
 template <int N>
 [[gnu::noinline]] void addViscous(const PairJob& job, const KernelUnits& units,
-                                  const PairGroup<N>& group) {
-  const auto shape = shapeOf(group.separation, group.ei, group.ej);
+                                  const LaneRow<N>& row) {
+  const auto shape = row.shape();
   Lanes closest2(std::numeric_limits<double>::infinity());
   for (int a = 0; a < N; ++a)
     for (int b = 0; b < N; ++b) {
@@ -171,20 +172,19 @@ template <int N>
       closest2 = smaller(squaredDistance(shape, sa, sb), closest2);
     }
   const unsigned touching = lanesBelow(closest2, units.cutoff * units.cutoff);
-  for (int k = 0; k < group.used; ++k) {
-    if (!(touching >> k & 1)) continue;
-    const std::int32_t i = group.i[k], j = group.j[k];
-    const bool mineI = i >= job.begin && i < job.end, mineJ = j >= job.begin && j < job.end;
+  for (int k = 0; k < laneCount; ++k) {
+    if (!(touching >> k & 1) || !row.counts(k)) continue;
+    const std::int32_t i = row.group.first[k], j = row.j[k];
     for (int c = 0; c < 3; ++c) {
       const auto f = std::llrint(job.viscous.linear *
                                  (job.velocity[3 * j + c] - job.velocity[3 * i + c]) / units.force);
       const auto t = std::llrint(job.viscous.angular *
                                  (job.angular[3 * j + c] - job.angular[3 * i + c]) / units.torque);
-      if (mineI) {
+      if (job.mine(i)) {
         job.viscousSum[6 * i + c] += f;
         job.viscousSum[6 * i + 3 + c] += t;
       }
-      if (mineJ) {
+      if (job.mine(j)) {
         job.viscousSum[6 * j + c] -= f;
         job.viscousSum[6 * j + 3 + c] -= t;
       }
@@ -192,87 +192,142 @@ template <int N>
   }
 }
 
-/// Adds pairs to the sums of a block's job.
+/// A group with the sums of its first segments, which are handed over at the end.
 template <bool Energies, int N>
-struct PairAdder {
-  const KernelUnits& units;
-  const Weight& weight;
-  const PairJob& job;
-  PairTally& tally;
+class LaneSums {
+ public:
+  NW_INLINE LaneSums(const PairJob& job, const LaneGroup& group)
+      : job_(job), group_(group), x_(gatherPositions(job.pose, group.first)) {
+    if constexpr (N > 1) e_ = axis1(gatherOrientations(job.pose, group.first));
+    count_ = toLanes(loadNumbers(group.count));
+  }
 
-  NW_INLINE void operator()(const PairGroup<N>& group, PairResult<Lanes>& pair) {
-    if constexpr (Energies) weight.apply(group.separation, pair);
-    Row rows[laneCount];
+  NW_INLINE LaneRow<N> row(const std::int32_t* partners, int k) const {
+    return {job_, group_, x_, e_, partners, k};
+  }
+
+  NW_INLINE void add(const LaneRow<N>& row, PointSums<Lanes> sums, const KernelUnits& units,
+                     const Weight& weight, PairTally& tally) {
+    const auto counts = count_ > Lanes(row.place);
+    for (Lanes* sum : {&sums.f, &sums.a, &sums.b, &sums.ab, &sums.energy})
+      *sum = select(counts, *sum, Lanes(0.0));
+    auto pair = assemble<N>(sums, units, row.separation, row.ei, row.ej);
+    if constexpr (Energies) weight.apply(row.separation, pair);
+    LaneIntegers onJ[6];
     auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v) {
       to[0] = nearestIntegers(v.x);
       to[1] = nearestIntegers(v.y);
       to[2] = nearestIntegers(v.z);
     };
-    constexpr int components = N > 1 ? 6 : 3;
-    LaneIntegers component[6];
-    whole(component, pair.force);
-    if constexpr (N > 1) whole(component + 3, pair.torqueI);
-    toRows<components>(component, rows);
-    addRows(job.sum, group.sumI, rows);
-    for (int c = 0; c < 3; ++c) component[c] = -component[c];
-    if constexpr (N > 1) whole(component + 3, pair.torqueJ);
-    toRows<components>(component, rows);
-    addRows(job.sum, group.sumJ, rows);
+    LaneIntegers force[3], torque[3];
+    whole(force, pair.force);
+    for (int c = 0; c < 3; ++c) {
+      total_[c] += force[c];
+      onJ[c] = -force[c];
+    }
+    if constexpr (N > 1) {
+      whole(torque, pair.torqueI);
+      for (int c = 0; c < 3; ++c) total_[3 + c] += torque[c];
+      whole(onJ + 3, pair.torqueJ);
+    }
+    put(row.j, onJ);
     if constexpr (Energies)
-      for (int k = 0; k < group.used; ++k)
-        if (group.i[k] >= job.begin && group.i[k] < job.end)
+      for (int k = 0; k < laneCount; ++k)
+        if (row.counts(k) && job_.mine(group_.first[k]))
           tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)],
                            tally.energyUnit);
     // A blended pair comes twice; its damping acts once.
-    if (job.viscousSum && weight.kind != Weight::rising) addViscous(job, units, group);
+    if (job_.viscousSum && weight.kind != Weight::rising) addViscous(job_, units, row);
   }
+
+  NW_INLINE void close() const { put(group_.first, total_); }
+
+ private:
+  NW_INLINE void put(const std::int32_t* segments, const LaneIntegers* sums) const {
+    Row rows[laneCount];
+    toRows<N == 1 ? 3 : 6>(sums, rows);
+    // Places just computed would be slow to load: only where there are any.
+    const LaneNumbers s = loadNumbers(segments);
+    const LaneNumbers others = (s < job_.begin) | (s >= job_.end);
+    if (none(others)) return addRows(job_.sum, segments, rows);
+    const LaneNumbers places = others ? LaneNumbers{} + job_.spare : s;
+    std::int32_t place[laneCount];
+    std::memcpy(place, &places, sizeof places);
+    addRows(job_.sum, place, rows);
+  }
+
+  const PairJob& job_;
+  const LaneGroup& group_;
+  Vec3<Lanes> x_, e_{};
+  Lanes count_;
+  LaneIntegers total_[6]{};
 };
 
-/// Adds the pairs of a block, N points on each axis; `weight` multiplies their energies.
-template <bool Energies, int N, class Law>
-void addBlock(const Law& shared, const KernelUnits& units, const Weight& weight,
-              const PairBlock& block, const PairJob& job, PairTally& tally) {
-  typename Law::Kernel law(shared);
-  keepInMemory(law);
-  PairAdder<Energies, N> add{units, weight, job, tally};
-  for (int first = 0; first < block.count; first += laneCount) {
-    const PairGroup<N> group(block, job, first);
-    auto pair = resolvePair<Energies, N>(law, units, group.separation, group.ei, group.ej);
-    add(group, pair);
+/// Second segments lie anywhere: what will be read and written of them is fetched in time.
+NW_INLINE void fetchAhead(const PairJob& job, const std::int32_t* partners,
+                          const std::int32_t* end) {
+  constexpr int ahead = 8 * laneCount;
+  if (end - partners < ahead + laneCount) return;
+  for (int k = 0; k < laneCount; ++k) {
+    const auto partner = static_cast<std::size_t>(partners[ahead + k]);
+    __builtin_prefetch(job.pose + 8 * partner);
+    __builtin_prefetch(job.sum + partner, 1);  // even if that of a ghost is not there
   }
 }
 
-/// The same with the sums over points in single precision, two groups at a time. Distances of
-/// centres and axes before, forces and torques after them are in doubles.
+/// Adds pairs, N points on each axis; `weight` multiplies their energies.
 template <bool Energies, int N, class Law>
-void addBlockSingle(const Law& shared, const KernelUnits& units, const Weight& weight,
-                    const PairBlock& block, const PairJob& job, PairTally& tally) {
+void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
+              const LaneView& pairs, const PairJob& job, PairTally& tally) {
   typename Law::Kernel law(shared);
   keepInMemory(law);
-  PairAdder<Energies, N> add{units, weight, job, tally};
-  for (int first = 0; first < block.count; first += floatCount) {
-    const int second = first + laneCount;
-    const PairGroup<N> groups[2] = {{block, job, first},
-                                    {block, job, second < block.count ? second : first}};
-    auto shape = [&](const PairGroup<N>& g) {
-      auto result = shapeOf(g.separation, g.ei, g.ej);
-      result.center2 -= law.origin();
-      return result;
-    };
-    const auto low = shape(groups[0]), high = shape(groups[1]);
-    const PairShape<Floats> both{rounded(low.center2, high.center2),
-                                 rounded(low.alongI, high.alongI), rounded(low.alongJ, high.alongJ),
-                                 rounded(low.cosine, high.cosine)};
-    const auto sums = sumPoints<Energies, N>(law, units.length, both);
-    const int count = second < block.count ? 2 : 1;
-#pragma GCC unroll 1
-    for (int k = 0; k < count; ++k) {
-      PointSums<Lanes> part{half(sums.f, k), half(sums.a, k), half(sums.b, k), half(sums.ab, k)};
-      if constexpr (Energies) part.energy = half(sums.energy, k);
-      const PairGroup<N>& group = groups[k];
-      auto pair = assemble<N>(part, units, group.separation, group.ei, group.ej);
-      add(group, pair);
+  const std::int32_t* partners = pairs.partners;
+  for (const LaneGroup& group : pairs.groups) {
+    LaneSums<Energies, N> sums(job, group);
+    for (int k = 0; k < group.depth(); ++k) {
+      fetchAhead(job, partners + k * laneCount, pairs.end);
+      const auto row = sums.row(partners, k);
+      sums.add(row, sumPoints<Energies, N>(law, units.length, row.shape()), units, weight, tally);
     }
+    sums.close();
+    partners += group.depth() * laneCount;
+  }
+}
+
+/// The same with the sums over points in single precision, two rows at a time. Distances of centres
+/// and axes before, forces and torques after them are in doubles.
+template <bool Energies, int N, class Law>
+void addPairsSingle(const Law& shared, const KernelUnits& units, const Weight& weight,
+                    const LaneView& pairs, const PairJob& job, PairTally& tally) {
+  typename Law::Kernel law(shared);
+  keepInMemory(law);
+  const std::int32_t* partners = pairs.partners;
+  for (const LaneGroup& group : pairs.groups) {
+    LaneSums<Energies, N> sums(job, group);
+    for (int k = 0; k < group.depth(); k += 2) {
+      fetchAhead(job, partners + k * laneCount, pairs.end);
+      const int count = std::min(2, group.depth() - k);
+      const LaneRow<N> rows[2] = {sums.row(partners, k), sums.row(partners, k + count - 1)};
+      auto shape = [&](const LaneRow<N>& row) {
+        auto result = row.shape();
+        result.center2 -= law.origin();
+        return result;
+      };
+      const auto low = shape(rows[0]), high = shape(rows[1]);
+      const PairShape<Floats> both{
+          rounded(low.center2, high.center2), rounded(low.alongI, high.alongI),
+          rounded(low.alongJ, high.alongJ), rounded(low.cosine, high.cosine)};
+      const auto points = sumPoints<Energies, N>(law, units.length, both);
+#pragma GCC unroll 1
+      for (int n = 0; n < count; ++n) {
+        PointSums<Lanes> part{half(points.f, n), half(points.a, n), half(points.b, n),
+                              half(points.ab, n)};
+        if constexpr (Energies) part.energy = half(points.energy, n);
+        sums.add(rows[n], part, units, weight, tally);
+      }
+    }
+    sums.close();
+    partners += group.depth() * laneCount;
   }
 }
 

@@ -24,10 +24,6 @@ struct Share {
 std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const CellIndex& cells,
                                  int threads);
 
-/// Reorders pairs such that neighbours in the list have different first segments, which need not
-/// wait for each other's sums: lanes of a SIMD group take pairs from eight places of a stretch.
-void interleave(std::vector<ListPair>& pairs);
-
 class PairList {
  public:
   /// Lists all pairs whose centres are within `range`, but for neighbours along a fibre closer than
@@ -40,7 +36,7 @@ class PairList {
   struct Parts {
     Pairs inner, outer;
   };
-  const std::vector<Parts<std::vector<ListPair>>>& threads() const { return threads_; }
+  const std::vector<Parts<PairRuns>>& threads() const { return threads_; }
   /// Those of them that a step has to look at.
   std::vector<Parts<DrawnPairs>>& drawn() { return drawn_; }
   std::int64_t size() const;
@@ -49,7 +45,7 @@ class PairList {
   void count(std::vector<double>& pairs) const;
 
  private:
-  std::vector<Parts<std::vector<ListPair>>> threads_;
+  std::vector<Parts<PairRuns>> threads_;
   std::vector<Parts<DrawnPairs>> drawn_;
   std::vector<Share> shares_;
 };

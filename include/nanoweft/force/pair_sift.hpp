@@ -1,42 +1,39 @@
-/// Listed pairs, sifted by the distance of their centres: those in reach, packed into blocks that
-/// are resolved with all points (near), with fewer points (far), or with both, weighted, where one
+/// Pairs sifted by the distance of their centres: those in reach, packed into blocks that are
+/// resolved with all points (near), with fewer points (far), or with both, weighted, where one
 /// gives way to the other:
 ///
 ///     U = (1 - w) U_n + w U_m,   w = 0 below Blend::from, 1 beyond Blend::to, C2 between.
-///
-/// On the way pairs can be drawn, for the steps to come.
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "nanoweft/base/simd.hpp"
 #include "nanoweft/base/vec.hpp"
-#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/lane_pairs.hpp"
+#include "nanoweft/force/pair_runs.hpp"
 #include "nanoweft/force/switch.hpp"
+#include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
 
-/// Packed pairs and their separations x_j - x_i.
-struct PairBlock {
+/// Packed pairs: as lanes, first segments with one partner each.
+class PairBlock {
+ public:
   static constexpr int capacity = 128;
 
-  int count = 0;
-  alignas(64) std::int32_t i[capacity], j[capacity];
-  /// Where their sums are kept: those of other threads and ranks in the job's spare record.
-  alignas(64) std::int32_t sumI[capacity], sumJ[capacity];
-  alignas(64) double x[capacity], y[capacity], z[capacity];
+  int count() const { return count_; }
+  void clear() { count_ = 0; }
+  /// Takes in the chosen lanes; there has to be room for a whole group.
+  void put(unsigned chosen, const std::int32_t* i, const std::int32_t* j);
+  /// Fills up the last group with repetitions of a pair that do not count.
+  LaneView close();
 
-  NW_INLINE Vec3<Lanes> separation(int first) const {
-    auto load = [&](const double* from) { return Lanes(from + first, stdx::element_aligned); };
-    return {load(x), load(y), load(z)};
-  }
-  /// To be called when all pairs are in: fills up the last SIMD group with repetitions of a pair,
-  /// which go to the spare record.
-  void close(const PairJob& job);
+ private:
+  int count_ = 0;
+  LaneGroup groups_[capacity / laneCount];
+  alignas(64) std::int32_t i_[capacity], j_[capacity];
 };
-
-/// Pairs as they are, as many as a block holds.
-void takeAll(const PairJob& job, std::span<const ListPair> pairs, PairBlock& block);
 
 /// What a pair's energy is multiplied with: nothing, 1 - w or w of its centre distance.
 struct Weight {
@@ -63,26 +60,22 @@ class PairSift {
   enum Class { near, blended, far };
 
   /// `blend`: where fewer points take over; at infinity when they do not.
-  PairSift(const PairJob& job, const Switch& blend, double reach);
+  PairSift(const double* pose, const MinimumImage& nearest, const Switch& blend, double reach);
 
   /// The pairs to go on with; those before have to be used up.
-  void goOn(std::span<const ListPair> pairs);
-  /// Where the drawn pairs end by now.
-  const DrawnPairs::Ends& drawn() const { return drawn_; }
-  /// The next block and its class, filled up, or nothing. Pairs are held back until they fill a
-  /// block or are the `last` ones.
-  const PairBlock* next(Class& which, bool last);
+  void goOn(std::span<const ListPair> pairs) { pairs_ = pairs; }
+  /// The next block and its class, or nothing. Pairs are held back until they fill a block or are
+  /// the `last` ones.
+  PairBlock* next(Class& which, bool last);
 
  private:
   void sift();
-  const PairBlock* handOut(Class which, Class& result);
+  PairBlock* handOut(Class which, Class& result);
 
-  const PairJob& job_;
+  const double* pose_;
+  const MinimumImage& nearest_;
   double from2_, to2_, reach2_;
-  double core2_ = 0, drawn2_ = 0;  ///< squared ranges of the drawn pairs
-  bool blends_;
   std::span<const ListPair> pairs_;
-  DrawnPairs::Ends drawn_{0, 0};
   PairBlock* given_ = nullptr;  ///< handed out last
   PairBlock blocks_[3];
 };

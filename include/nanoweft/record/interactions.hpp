@@ -34,8 +34,9 @@ void forEachPair(const State& state, const ForceField& forces, std::size_t threa
   const double reach2 = forces.pair()->reach() * forces.pair()->reach();
   const auto& lists = forces.pairList().threads()[thread];
   for (const auto* list : {&lists.inner, &lists.outer})
-    for (const ListPair& p : *list)
+    list->forEach([&](const ListPair& p) {
       if (const Vec3d d = separationOf(state, forces, p.i, p.j); dot(d, d) < reach2) visit(p, d);
+    });
 }
 
 }  // namespace nanoweft
