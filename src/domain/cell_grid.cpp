@@ -129,25 +129,29 @@ int CellGrid::owner(std::int64_t cell) const {
 }
 
 void CellGrid::neighbours(std::int64_t cell, std::vector<std::int64_t>& out) const {
-  std::array<std::vector<std::int64_t>, 3> along;
+  // First cell and number of cells along each direction.
+  std::array<int, 3> first, count;
   for (int d = 0; d < 3; ++d) {
     const int n = cells_[d], c = static_cast<int>(cell % n);
     cell /= n;
-    if (2 * reach_[d] + 1 >= n) {
-      for (int k = 0; k < n; ++k) along[d].push_back(k);
-      continue;
+    const bool all = 2 * reach_[d] + 1 >= n;
+    int last = c + reach_[d];
+    first[d] = all ? 0 : c - reach_[d];
+    if (all) last = n - 1;
+    if (!periodic_[d]) {
+      first[d] = std::max(first[d], 0);
+      last = std::min(last, n - 1);
     }
-    for (int k = c - reach_[d]; k <= c + reach_[d]; ++k) {
-      if (periodic_[d])
-        along[d].push_back((k + n) % n);
-      else if (k >= 0 && k < n)
-        along[d].push_back(k);
-    }
+    count[d] = last - first[d] + 1;
   }
+  auto wrapped = [&](int d, int k) { return (first[d] + k + cells_[d]) % cells_[d]; };
   out.clear();
-  for (std::int64_t z : along[2])
-    for (std::int64_t y : along[1])
-      for (std::int64_t x : along[0]) out.push_back((z * cells_[1] + y) * cells_[0] + x);
+  for (int z = 0; z < count[2]; ++z)
+    for (int y = 0; y < count[1]; ++y) {
+      const std::int64_t line =
+          (std::int64_t{wrapped(2, z)} * cells_[1] + wrapped(1, y)) * cells_[0];
+      for (int x = 0; x < count[0]; ++x) out.push_back(line + wrapped(0, x));
+    }
 }
 
 CellIndex::CellIndex(const State& state, const CellGrid& grid, int count) {

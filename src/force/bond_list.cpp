@@ -31,8 +31,10 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
         const std::int32_t other = i == m ? j : i;
         if (mine(other) && other > m) return;
         const double critical = law ? law->criticalStrain(state.fibre[i], state.chain[2 * i]) : 0.0;
-        bonds.parts[mine(other) ? own : other < state.owned() ? shared : outer].push_back(
-            {i, j, critical});
+        bonds.parts[mine(other)             ? own
+                    : other < state.owned() ? shared
+                                            : outer]
+            .push_back({i, j, critical});
       };
       if (const auto before = state.predecessor(m);
           before >= 0 && !(state.bond[m] & previousBroken))
@@ -71,15 +73,27 @@ class BondScatter {
   void flush() {
     if (last_ >= 0 && mine(last_)) addTo(last_, kept_);
   }
+  // In couples from the registers: through memory, parts of a row would wait for the whole.
+  typedef double Couple __attribute__((vector_size(16)));
+  template <int k>
+  NW_INLINE static Couple couple(const Reals& row) {
+    return __builtin_shufflevector(row, row, 2 * k, 2 * k + 1);
+  }
   NW_INLINE void put(std::int32_t i, const Reals& row) {
-    std::memcpy(s_.force + 3 * i, &row, 24);
-    std::memcpy(s_.torque + 3 * i, reinterpret_cast<const double*>(&row) + 3, 24);
+    store(i, couple<0>(row), couple<1>(row), couple<2>(row));
   }
   NW_INLINE void addTo(std::int32_t i, const Reals& row) {
-    for (int c = 0; c < 3; ++c) {
-      s_.force[3 * i + c] += row[c];
-      s_.torque[3 * i + c] += row[3 + c];
-    }
+    const double *const force = s_.force + 3 * i, *const torque = s_.torque + 3 * i;
+    store(i, Couple{force[0], force[1]} + couple<0>(row),
+          Couple{force[2], torque[0]} + couple<1>(row),
+          Couple{torque[1], torque[2]} + couple<2>(row));
+  }
+  NW_INLINE void store(std::int32_t i, Couple first, Couple second, Couple third) {
+    double *const force = s_.force + 3 * i, *const torque = s_.torque + 3 * i;
+    std::memcpy(force, &first, sizeof first);
+    force[2] = second[0];
+    torque[0] = second[1];
+    std::memcpy(torque + 1, &third, sizeof third);
   }
 
   State& s_;

@@ -71,7 +71,10 @@ void ForceField::refresh(State& state, Domain& domain) {
     farthest2 = std::max(farthest2, squaredWay(state.pose + 8 * i, listed_, i));
   MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
   tuneMargin(state);
-  if (!(2.0 * std::sqrt(farthest2) + margin_ <= skin_)) return rebuild(state, domain);
+  // A list that is nearly used up still serves for a thinner margin.
+  const double left = skin_ - 2.0 * std::sqrt(farthest2);
+  if (!(left >= 0.5 * margin_)) return rebuild(state, domain);
+  margin_ = std::min(margin_, left);
   startDrawing(state);
 }
 

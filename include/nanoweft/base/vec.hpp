@@ -40,6 +40,23 @@ NW_INLINE Vec3<V> cross(const Vec3<V>& a, const Vec3<V>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// The same with fused operations where the target has them, for the pair kernel. (Exchanging a and
+/// b does not negate the cross product exactly.)
+template <class V>
+NW_INLINE V fusedDot(const Vec3<V>& a, const Vec3<V>& b) {
+  return multiplyAdd(a.z, b.z, multiplyAdd(a.y, b.y, V(a.x * b.x)));
+}
+template <class V>
+NW_INLINE Vec3<V> fusedCross(const Vec3<V>& a, const Vec3<V>& b) {
+  return {multiplyAdd(a.y, b.z, V(-(a.z * b.y))), multiplyAdd(a.z, b.x, V(-(a.x * b.z))),
+          multiplyAdd(a.x, b.y, V(-(a.y * b.x)))};
+}
+/// s a + b.
+template <class V>
+NW_INLINE Vec3<V> multiplyAdd(const V& s, const Vec3<V>& a, const Vec3<V>& b) {
+  return {multiplyAdd(s, a.x, b.x), multiplyAdd(s, a.y, b.y), multiplyAdd(s, a.z, b.z)};
+}
+
 template <class V>
 NW_INLINE V norm(const Vec3<V>& a) {
   using std::sqrt;

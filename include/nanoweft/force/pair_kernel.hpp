@@ -34,7 +34,8 @@ struct PairShape {
 
 template <class V>
 NW_INLINE PairShape<V> shapeOf(const Vec3<V>& separation, const Vec3<V>& ei, const Vec3<V>& ej) {
-  return {dot(separation, separation), dot(separation, ei), dot(separation, ej), dot(ei, ej)};
+  return {fusedDot(separation, separation), fusedDot(separation, ei), fusedDot(separation, ej),
+          fusedDot(ei, ej)};
 }
 
 /// Where a point lies along its segment.
@@ -119,9 +120,10 @@ NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const KernelUnits& un
   result.energy = perForce * sums.energy;
   if constexpr (N > 1) {
     const V perTorque(share / units.torque), ab = perTorque * sums.ab;
-    result.force = f * separation - V(perForce * sums.a) * ei + V(perForce * sums.b) * ej;
-    result.torqueI = cross(ei, V(perTorque * sums.a) * separation + ab * ej);
-    result.torqueJ = cross(ej, ab * ei - V(perTorque * sums.b) * separation);
+    result.force = multiplyAdd(V(perForce * sums.b), ej,
+                               multiplyAdd(V(-(perForce * sums.a)), ei, f * separation));
+    result.torqueI = fusedCross(ei, multiplyAdd(V(perTorque * sums.a), separation, ab * ej));
+    result.torqueJ = fusedCross(ej, multiplyAdd(V(-(perTorque * sums.b)), separation, ab * ei));
   } else {
     result.force = f * separation;
     result.torqueI = result.torqueJ = {V(0.0), V(0.0), V(0.0)};
