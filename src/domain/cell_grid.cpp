@@ -1,7 +1,9 @@
 #include "nanoweft/domain/cell_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "nanoweft/base/error.hpp"
 
@@ -154,28 +156,39 @@ void CellGrid::neighbours(std::int64_t cell, std::vector<std::int64_t>& out) con
     }
 }
 
-CellIndex::CellIndex(const State& state, const CellGrid& grid, int count) {
-  struct Key {
-    std::int64_t cell, row;
-    int point;
-  };
-  std::vector<Key> keys(static_cast<std::size_t>(count));
+CellIndex::CellIndex(const State& state, const CellGrid& grid, int count)
+    : order(static_cast<std::size_t>(count)) {
+  if (count == 0) return;
+  std::vector<std::int64_t> cell(order.size());
   for (int i = 0; i < count; ++i)
-    keys[static_cast<std::size_t>(i)] = {grid.cellOf(state.pose + 8 * i), state.row[i], i};
-  const auto before = [](const Key& a, const Key& b) {
-    return a.cell != b.cell ? a.cell < b.cell : a.row < b.row;
-  };
-  // Owned points are kept in this order, so that most indices find them sorted.
-  if (!std::is_sorted(keys.begin(), keys.end(), before))
-    std::sort(keys.begin(), keys.end(), before);
-  order.resize(keys.size());
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    order[k] = keys[k].point;
-    if (ranges.empty() || ranges.back().cell != keys[k].cell) {
-      rangeOf.insert(keys[k].cell, static_cast<int>(ranges.size()));
-      ranges.push_back({keys[k].cell, static_cast<int>(k), static_cast<int>(k)});
+    cell[static_cast<std::size_t>(i)] = grid.cellOf(state.pose + 8 * i);
+  const auto [lowest, highest] = std::ranges::minmax(cell);
+  const auto span = static_cast<std::size_t>(highest - lowest) + 1;
+  // The cells of a rank mostly lie close together: then they are counted, not compared.
+  if (span <= 8 * order.size()) {
+    std::vector<int> place(span + 1, 0);
+    for (const std::int64_t c : cell) ++place[static_cast<std::size_t>(c - lowest) + 1];
+    std::partial_sum(place.begin(), place.end(), place.begin());
+    for (int i = 0; i < count; ++i) {
+      const std::int64_t c = cell[static_cast<std::size_t>(i)] - lowest;
+      order[static_cast<std::size_t>(place[static_cast<std::size_t>(c)]++)] = i;
     }
-    ranges.back().end = static_cast<int>(k) + 1;
+  } else {
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::sort(order, {}, [&](int i) { return cell[static_cast<std::size_t>(i)]; });
+  }
+  rangeOf = IndexMap(order.size(), lowest, highest);
+  const auto rowOf = [&](int i) { return state.row[i]; };
+  for (auto begin = order.begin(); begin != order.end();) {
+    const std::int64_t here = cell[static_cast<std::size_t>(*begin)];
+    const auto end = std::find_if(begin, order.end(),
+                                  [&](int i) { return cell[static_cast<std::size_t>(i)] != here; });
+    // Owned points are kept in this order, so most cells are found sorted.
+    if (!std::ranges::is_sorted(begin, end, {}, rowOf)) std::ranges::sort(begin, end, {}, rowOf);
+    rangeOf.insert(here, static_cast<int>(ranges.size()));
+    ranges.push_back(
+        {here, static_cast<int>(begin - order.begin()), static_cast<int>(end - order.begin())});
+    begin = end;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "nanoweft/domain/halo.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <unordered_map>
 
 #include "nanoweft/base/error.hpp"
@@ -97,11 +98,14 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
       }
     }
   // (d) Keep those in range of an own segment, and bond partners.
-  IndexMap partners(static_cast<std::size_t>(state.owned()));
-  for (int i = 0; i < state.owned(); ++i) {
-    if (const auto next = state.successor(i); next >= 0) partners.insert(next, i);
-    if (const auto previous = state.predecessor(i); previous >= 0) partners.insert(previous, i);
-  }
+  std::int64_t lowest = std::numeric_limits<std::int64_t>::max(), highest = -1;
+  for (int i = 0; i < state.owned(); ++i)
+    for (const std::int64_t row : {state.successor(i), state.predecessor(i)})
+      if (row >= 0) lowest = std::min(lowest, row), highest = std::max(highest, row);
+  IndexMap partners(static_cast<std::size_t>(state.owned()), lowest, highest);
+  for (int i = 0; i < state.owned(); ++i)
+    for (const std::int64_t row : {state.successor(i), state.predecessor(i)})
+      if (row >= 0) partners.insert(row, i);
   const MinimumImage nearest(state.box);
   std::vector<Candidate> kept;
   std::vector<PetscSFNode> remote;

@@ -49,6 +49,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
     pairs_.build(state, domain.grid(), cells, shares_, listRange(), settings_.pair->exclude());
     tuneMargin(state);
     startDrawing(state);
+    reference_.resize(3 * static_cast<std::size_t>(state.owned()));
+    for (int i = 0; i < state.owned(); ++i) noteReference(state, i);
     listed_ = reference_;
     const ForceSum* before = sums_.data();
     sums_.resize(static_cast<std::size_t>(state.owned()) + shares_.size());
@@ -67,8 +69,10 @@ void ForceField::refresh(State& state, Domain& domain) {
   // Pairs that the list does not have were a skin out of reach when it was made.
   double farthest2 = 0;
 #pragma omp parallel for num_threads(static_cast <int>(shares_.size())) reduction(max : farthest2)
-  for (int i = 0; i < state.owned(); ++i)
+  for (int i = 0; i < state.owned(); ++i) {
     farthest2 = std::max(farthest2, squaredWay(state.pose + 8 * i, listed_, i));
+    noteReference(state, i);
+  }
   MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
   tuneMargin(state);
   // A list that is nearly used up still serves for a thinner margin.
@@ -79,10 +83,6 @@ void ForceField::refresh(State& state, Domain& domain) {
 }
 
 void ForceField::startDrawing(const State& state) {
-  reference_.resize(3 * static_cast<std::size_t>(state.owned()));
-#pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
-  for (int i = 0; i < state.owned(); ++i)
-    std::copy_n(state.pose + 8 * i, 3, &reference_[3 * static_cast<std::size_t>(i)]);
   draw_ = true;
   drawStep_ = state.step;
 }

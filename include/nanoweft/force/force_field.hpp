@@ -89,6 +89,10 @@ class ForceField {
     const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
     return dot(d, d);
   }
+  void noteReference(const State& state, int i) {
+    for (int d = 0; d < 3; ++d)
+      reference_[static_cast<std::size_t>(3 * i + d)] = state.pose[8 * i + d];
+  }
   void startDrawing(const State& state);
   void tuneMargin(const State& state);
   void tuneSkin(const State& state);
