@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
-#include <limits>
 #include <map>
 
 #include "nanoweft/base/floats.hpp"
@@ -167,6 +167,54 @@ std::vector<const char*> allOptions() {
   return options;
 }
 INSTANTIATE_TEST_SUITE_P(Laws, DrawnPairsOf, testing::ValuesIn(allOptions()));
+
+/// Viscous force on the first of two segments `distance` apart along x.
+Vec3d viscousForce(const PairForce& force, double distance, const Quatd& q) {
+  Random random;
+  Ball ball(random, 2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double record[8] = {distance * static_cast<double>(k), 0, 0, 0, q.w, q.x, q.y, q.z};
+    std::copy(record, record + 8, &ball.pose[8 * k]);
+  }
+  const DrawnPairs drawn = draw(force, ball, ball.pairs, 1.0);
+  const double velocity[6] = {1, 2, 3, 5, 7, 11}, angular[6] = {};
+  std::vector<ForceSum> sums(3);
+  std::vector<std::int64_t> viscous(12, 0);
+  const MinimumImage nearest{Box{}};
+  PairJob job;
+  job.pose = ball.pose.data();
+  job.drawn = &drawn;
+  job.begin = 0;
+  job.end = job.spare = 2;
+  job.sum = sums.data();
+  job.nearest = &nearest;
+  job.velocity = velocity;
+  job.angular = angular;
+  job.viscousSum = viscous.data();
+  job.viscous.linear = 1e-3;
+  PairTally tally;
+  force.add(job, false, tally);
+  for (std::size_t c = 0; c < 6; ++c) EXPECT_EQ(viscous[c], -viscous[6 + c]);
+  const double unit = force.forceUnit();
+  return {unit * static_cast<double>(viscous[0]), unit * static_cast<double>(viscous[1]),
+          unit * static_cast<double>(viscous[2])};
+}
+
+TEST(ViscousDamping, ActsOnceOnPairsWithPointsWithinTheCutoff) {
+  const Quatd along{}, across{std::sqrt(0.5), 0, std::sqrt(0.5), 0};
+  const Vec3d whole{4e-3, 5e-3, 8e-3};
+  for (const char* options : {"-pair_points 3", "-pair_points 3 -pair_far_points 1"}) {
+    const auto force = makeForce(options);
+    // Near, where one sum gives way to the other, far, and at either side of the cutoff.
+    for (double distance : {20.0, 37.0, 45.0, 54.0})
+      EXPECT_LT(norm(viscousForce(*force, distance, across) - whole), 1e-12) << distance;
+    EXPECT_EQ(norm(viscousForce(*force, 54.3, across)), 0.0);
+  }
+  // Points of segments in a row reach farther than their centres.
+  const auto force = makeForce("-pair_points 3");
+  EXPECT_LT(norm(viscousForce(*force, 63.2, along) - whole), 1e-12);
+  EXPECT_EQ(norm(viscousForce(*force, 63.3, along)), 0.0);
+}
 
 TEST(PairRuns, HoldWhatTheyWereGiven) {
   for (std::int32_t size : {0, 1, 5, 60}) {
