@@ -17,12 +17,12 @@ import numpy as np
 @dataclass
 class Costs:
     """Nanoseconds, but for counts and the fraction."""
-    pair: float = 11.1          # a pair of the list, 3 points a segment
-    segment: float = 49.0       # motion and bonds of a segment
-    list: float = 433.0         # a segment in a rebuild of the lists
-    interval: float = 33.0      # steps between rebuilds
-    ghost: float = 15.9         # a ghost's 64 bytes, packing included
-    latency: float = 2150.0     # a message
+    pair: float = 7.0           # a pair of the list, 3 points a segment
+    segment: float = 42.0       # motion and bonds of a segment
+    list: float = 230.0         # a segment in a rebuild of the lists
+    interval: float = 36.0      # steps between rebuilds
+    ghost: float = 17.0         # a ghost's 64 bytes, packing included
+    latency: float = 1700.0     # a message
     hidden: float = 1.0         # fraction of the inner pairs' time that can hide the halo
     collectives: float = 25.0   # reductions and barriers of a rebuild
 

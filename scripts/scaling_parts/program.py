@@ -24,26 +24,27 @@ def nanoweft(ranks, fibres, segments, skin, steps, more=""):
                          f"-pair_skin {skin} -ts_max_steps {steps} {RELAX} {more}")
 
 
-def _event(text, name):
-    count, seconds = re.search(rf"^{name}\s+(\d+) [\d.]+ ([\d.e+-]+)", text, re.M).groups()
-    return int(count), float(seconds)
+def _events(text):
+    """Seconds of the solver's own log events, and rebuilds of the lists."""
+    rows = re.findall(r"^(Nw\w+)\s+(\d+) [\d.]+ ([\d.e+-]+)", text, re.M)
+    return {name: float(seconds) for name, _, seconds in rows}, {name: int(count) for name, count, _ in rows}["NwRebuild"]
 
 
 def measure(pairs_per_segment, skin, rounds):
     """Costs of the kernels on one rank and of messages between two, medians over the rounds."""
-    fibres, segments, steps = 60, 300, 200
+    fibres, segments, few, steps = 60, 300, 20, 200
     total = 2 * fibres * segments
     seen = []
     for _ in range(rounds):
-        text = nanoweft(1, fibres, segments, skin, steps, "-log_view")
-        evaluations, bonds = _event(text, "NwBonds")  # the estimate of the stable step has some too
-        drifts, motion = _event(text, "NwKickDrift")
-        rebuilds, lists = _event(text, "NwRebuild")
-        pairs = _event(text, "NwPairs")[1] / evaluations / (total * pairs_per_segment)
-        both = _event(text, "NwKick")[1] / drifts + motion / drifts + bonds / evaluations
+        # What a start costs is in both.
+        (begin, begun), (all_steps, rebuilds) = (
+            _events(nanoweft(1, fibres, segments, skin, n, "-log_view")) for n in (few, steps))
+        a_step = {name: (all_steps[name] - begin[name]) / (steps - few) for name in all_steps}
+        motion = a_step["NwKickDrift"] + a_step["NwKick"] + a_step["NwBonds"]
+        lists = a_step["NwRebuild"] * (steps - few) / max(1, rebuilds - begun)
         net = re.search(r"latency (\S+) ghost (\S+)", mpirun(2, pathlib.Path(__file__).with_name("network.py")))
-        seen.append([1e9 * pairs, 1e9 * both / total, 1e9 * lists / rebuilds / total,
-                     steps / max(1, rebuilds - 1), float(net[2]), float(net[1])])
+        seen.append([1e9 * a_step["NwPairs"] / (total * pairs_per_segment), 1e9 * motion / total, 1e9 * lists / total,
+                     (steps - few) / max(1, rebuilds - begun), float(net[2]), float(net[1])])
     names = ["pair", "segment", "list", "interval", "ghost", "latency"]
     return dict(zip(names, np.median(seen, 0)))
 
