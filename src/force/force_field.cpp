@@ -50,6 +50,7 @@ void ForceField::rebuild(State& state, Domain& domain) {
     tuneMargin(state);
     startDrawing(state);
     reference_.resize(3 * static_cast<std::size_t>(state.owned()));
+#pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
     for (int i = 0; i < state.owned(); ++i) noteReference(state, i);
     listed_ = reference_;
     const ForceSum* before = sums_.data();

@@ -98,30 +98,10 @@ NW_INLINE Lanes multiplyAdd(const Lanes& a, const Lanes& b, const Lanes& c) {
 #endif
 }
 
-/// A place a lane, below 2^32.
+/// Integers as wide as the lanes, in memory.
 struct LaneIndex {
   alignas(64) std::int64_t at[Lanes::size()];
 };
-
-/// Takes lanes apart. Not through memory: loads from places that have themselves just been loaded
-/// from a store still under way are several times as slow.
-template <class Integers>
-NW_INLINE LaneIndex laneIndex(const Integers& v) {
-  LaneIndex index;
-  if constexpr (laneCount == 8) {
-    typedef std::int32_t Half __attribute__((vector_size(32)));
-    typedef std::int64_t Words __attribute__((vector_size(32)));
-    const Words words = __builtin_bit_cast(Words, __builtin_convertvector(v, Half));
-    for (int k = 0; k < 4; ++k) {
-      const auto word = static_cast<std::uint64_t>(words[k]);
-      index.at[2 * k] = static_cast<std::int64_t>(word & 0xffffffff);
-      index.at[2 * k + 1] = static_cast<std::int64_t>(word >> 32);
-    }
-  } else {
-    for (int k = 0; k < laneCount; ++k) index.at[k] = v[k];
-  }
-  return index;
-}
 
 /// The number of the part that y > 0 lies in, times `stride` (a power of two), when octaves are cut
 /// into 2^bits equal parts: where rows of `stride` doubles begin, but for a constant offset.
@@ -142,6 +122,7 @@ NW_INLINE LaneIndex octavePart(const Lanes& y, Lanes& begin) {
   LaneIndex index;
   const Integers counted = floor >> (shift - std::countr_zero(unsigned{stride}));
   std::memcpy(index.at, &counted, sizeof counted);
+  // Through memory: taken apart in registers, the numbers would compete with the rows' shuffles.
   asm("" : "+m"(index));
   return index;
 }

@@ -109,8 +109,8 @@ class ForceField {
   std::vector<BondTally> followed_;  ///< what `follow` found, a thread each
   bool bondsKnown_ = false;          ///< State::force holds all that `follow` can know
   std::vector<Share> shares_;
-  std::vector<double> listed_,
-      reference_;  ///< [3]: where segments were at the rebuild, the drawing
+  std::vector<double> listed_;     ///< [3]: where segments were at the rebuild
+  std::vector<double> reference_;  ///< [3]: where they were at the drawing
   std::vector<double> work_;
   std::vector<ForceSum> sums_;
   std::vector<std::int64_t> viscousSums_;  ///< [6] a segment
