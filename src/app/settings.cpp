@@ -94,6 +94,7 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   OptionSection out(options, "Output");
   r.monitorInterval =
       out.integer("monitor_interval", 100, "steps between rows of the monitors", 1, most);
+  r.overwrite = out.flag("overwrite", false, "replace results that another run has written");
   r.progressSeconds = out.real("progress_interval", 5.0, "s",
                                "wall time between progress lines; 0: none", nonNegative);
   r.snapshotFile = out.text("snapshot_file", "",

@@ -205,6 +205,8 @@ StateHeader readStateHeader(MPI_Comm comm, const std::string& file) {
         record.reals[name] = *h5::readReals(object, name);
       else if (H5Tget_class(type) == H5T_INTEGER)
         record.integers[name] = *h5::readIntegers(object, name);
+      else if (H5Tget_class(type) == H5T_STRING)
+        record.texts[name] = h5::readText(object, name).value_or("");
       return 0;
     };
     H5Aiterate2(run, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &header.run);

@@ -195,11 +195,12 @@ void writeState(const std::string& name, State& state, const UnitSystem& units,
     if (state.viscous)
       write("viscous", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, ordered(state.viscous, 6), 6);
 
-    if (!run.reals.empty() || !run.integers.empty()) {
+    if (!run.reals.empty() || !run.integers.empty() || !run.texts.empty()) {
       h5::Handle record(H5Gcreate2(f, "run", H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
       for (const auto& [name, values] : run.reals) h5::writeAttribute(record, name.c_str(), values);
       for (const auto& [name, values] : run.integers)
         h5::writeAttribute(record, name.c_str(), values);
+      for (const auto& [name, text] : run.texts) h5::writeAttribute(record, name.c_str(), text);
     }
 
     if (!what.fields.empty()) {

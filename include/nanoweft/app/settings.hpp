@@ -40,6 +40,7 @@ struct RunSettings {
   std::string snapshotFile, checkpointFile, stateOutput;
   long snapshotInterval = 0, checkpointInterval = 0;
   bool stateForces = false;
+  bool overwrite = false;  ///< results of other runs may be replaced
 };
 
 /// Reads -units first, since all others depend on it.

@@ -19,6 +19,7 @@ namespace nanoweft {
 struct RunRecord {
   std::map<std::string, std::vector<double>> reals;
   std::map<std::string, std::vector<std::int64_t>> integers;
+  std::map<std::string, std::string> texts;
 };
 
 struct StateHeader {
