@@ -103,11 +103,30 @@ void Simulation::requireRest() const {
                        "_velocity keeps the fibres moving, so there is no rest");
 }
 
+Provenance Simulation::provenance() const {
+  Provenance run;
+  run.program = "nanoweft";
+  run.version = NANOWEFT_VERSION;
+  if (scene_ && scene_->header()) run.input = scene_->header()->digest;
+  return run;
+}
+
+RunRecord Simulation::runTexts(const char* purpose) const {
+  RunRecord record;
+  record.texts = provenanceTexts(provenance(), purpose);
+  return record;
+}
+
 void Simulation::checkOutputs() const {
+  ReplaceRule rule;
+  rule.run = provenance();
+  rule.overwrite = settings_.overwrite;
+  rule.restart = settings_.restart;
+  if (scene_ && !scene_->file().empty()) rule.inputs = {scene_->file()};
   for (const std::string& file : {settings_.checkpointFile, settings_.stateOutput}) {
     if (file.empty()) continue;
     makeParentFolder(comm_, file);
-    refuseForeignTarget(comm_, file);
+    refuseForeignTarget(comm_, file, rule);
     requireWritable(comm_, file);
   }
   energyMonitor_.check(comm_);
@@ -115,7 +134,7 @@ void Simulation::checkOutputs() const {
   if (const std::string file = energyMonitor_.fileName();
       !file.empty() && file == stressMonitor_.fileName())
     throw InputError("-energy_monitor and -stress_monitor write to the same file " + file);
-  if (!settings_.snapshotFile.empty()) Snapshots::check(comm_, settings_.snapshotFile);
+  if (!settings_.snapshotFile.empty()) Snapshots::check(comm_, settings_.snapshotFile, rule);
 }
 
 void Simulation::build() {
@@ -239,7 +258,7 @@ Ending Simulation::run() {
     const LogScope log(fileEvent_);
     StateWriteOptions what;
     what.forces = settings_.stateForces;
-    writeState(settings_.stateOutput, *state_, units_, runRecord(), what);
+    writeState(settings_.stateOutput, *state_, units_, runRecord("final"), what);
   }
   energyMonitor_.close();
   stressMonitor_.close();
@@ -268,7 +287,8 @@ void Simulation::begin() {
     record();
     if (snapshots_) {
       const LogScope log(fileEvent_);
-      snapshots_->write(*state_, units_, segmentFields(*state_, *domain_, *forces_));
+      snapshots_->write(*state_, units_, runTexts("snapshot"),
+                        segmentFields(*state_, *domain_, *forces_));
     }
   }
   checkBalance();
@@ -333,7 +353,8 @@ void Simulation::step() {
   if (notices & progress) printProgress();
   if (snapshots_ && due(settings_.snapshotInterval)) {
     const LogScope log(fileEvent_);
-    snapshots_->write(*state_, units_, segmentFields(*state_, *domain_, *forces_));
+    snapshots_->write(*state_, units_, runTexts("snapshot"),
+                      segmentFields(*state_, *domain_, *forces_));
   }
   if (settings_.limitInterval > 0 && due(settings_.limitInterval)) followLimit();
   if (checkpoint) writeCheckpoint(settings_.checkpointFile);
@@ -395,8 +416,8 @@ void Simulation::record() {
   lastRecorded_ = state_->step;
 }
 
-RunRecord Simulation::runRecord() const {
-  RunRecord record;
+RunRecord Simulation::runRecord(const char* purpose) const {
+  RunRecord record = runTexts(purpose);
   ExactSum sums[3] = {accounts_.damped, accounts_.external, accounts_.broken};
   ExactSum::reduce(sums, 3, comm_);
   const char* names[3] = {"account_damped", "account_external", "account_broken"};
@@ -430,7 +451,7 @@ void Simulation::restoreAccounts() {
 void Simulation::writeCheckpoint(const std::string& file) {
   const LogScope log(fileEvent_);
   try {
-    writeState(file, *state_, units_, runRecord());
+    writeState(file, *state_, units_, runRecord("checkpoint"));
   } catch (const RunError& failure) {
     throw RunError(std::string(failure.what()) + "; " + lastGoodCheckpoint());
   }

@@ -9,7 +9,6 @@
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
-#include "nanoweft/state/output_target.hpp"
 
 namespace nanoweft {
 
@@ -53,7 +52,7 @@ constexpr const char* indexMark = "<Grid Name=\"fibres\" GridType=\"Collection\"
 
 }  // namespace
 
-void Snapshots::check(MPI_Comm comm, const std::string& name) {
+void Snapshots::check(MPI_Comm comm, const std::string& name, const ReplaceRule& rule) {
   makeParentFolder(comm, name);
   int rank;
   MPI_Comm_rank(comm, &rank);
@@ -67,7 +66,8 @@ void Snapshots::check(MPI_Comm comm, const std::string& name) {
   list.resize(static_cast<std::size_t>(length));
   MPI_Bcast(list.data(), length, MPI_CHAR, 0, comm);
   std::istringstream files(list);
-  for (std::string file; std::getline(files, file);) refuseForeignTarget(comm, file);
+  for (std::string file; std::getline(files, file);) refuseForeignTarget(comm, file, rule);
+  requireWritable(comm, name + "_0000000000.h5");
   requireWritable(comm, name + ".xdmf");
   std::string problem;
   if (std::ifstream index(name + ".xdmf"); rank == 0 && index) {
@@ -105,13 +105,14 @@ void Snapshots::addEntry(const std::string& file) {
                       static_cast<std::int64_t>(lines[0]), namesIn(f, "field")});
 }
 
-void Snapshots::write(State& state, const UnitSystem& units, std::vector<SegmentField> fields) {
+void Snapshots::write(State& state, const UnitSystem& units, const RunRecord& run,
+                      std::vector<SegmentField> fields) {
   const std::string file =
       format("%s_%010lld.h5", name_.c_str(), static_cast<long long>(state.step));
   StateWriteOptions what;
   what.mesh = true;
   what.fields = std::move(fields);
-  writeState(file, state, units, {}, what);
+  writeState(file, state, units, run, what);
   std::string problem;
   if (state.rank() == 0) {
     addEntry(file);

@@ -8,11 +8,12 @@ namespace {
 
 class FileScene final : public Scene {
  public:
-  FileScene(MPI_Comm comm, std::string file)
-      : file_(std::move(file)), header_(readStateHeader(comm, file_)) {}
+  FileScene(MPI_Comm comm, std::string file, Trust trust)
+      : file_(std::move(file)), header_(readStateHeader(comm, file_, trust)) {}
 
   Box box() const override { return header_.box; }
   const StateHeader* header() const override { return &header_; }
+  std::string file() const override { return file_; }
   void fill(State& state) const override {
     readStateRows(file_, header_, state);
     // A new run starts its own clock.
@@ -31,9 +32,13 @@ std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& conte
                                      bool optionsAllowed) {
   OptionSection s(options, "Scene", optionsAllowed, "-scene is not file");
   const std::string file = s.text("scene_file", "", "state file to start from (-scene file)");
+  const bool edited = s.flag(
+      "scene_file_edited", false,
+      "-scene_file was changed on purpose since nanoweft wrote it: do not compare its SHA-256");
   if (!active) return nullptr;
   if (file.empty()) throw InputError("-scene file needs -scene_file NAME");
-  auto scene = std::make_unique<FileScene>(context.comm, file);
+  auto scene =
+      std::make_unique<FileScene>(context.comm, file, edited ? Trust::edited : Trust::program);
   if (scene->header()->units != context.units.name)
     throw InputError(format("state file %s is in units %s, the run in -units %s", file.c_str(),
                             scene->header()->units.c_str(), context.units.name.c_str()));

@@ -1,41 +1,85 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <functional>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
+#include "nanoweft/state/memory.hpp"
+#include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/state_file.hpp"
 #include "nanoweft/state/state_format.hpp"
+#include "nanoweft/state/state_read.hpp"
 
 namespace nanoweft {
 
 namespace {
 
-/// Reads this rank's rows of a dataset; leaves `values` empty when it is missing. Returns a
-/// problem.
-template <class T>
-std::string readRows(hid_t group, const char* name, hid_t memoryType, const RowBlock& block,
-                     int columns, std::vector<T>& values) {
-  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) return "";
-  h5::Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
-  h5::Handle space(H5Dget_space(set), H5Sclose);
-  const hsize_t start[2] = {static_cast<hsize_t>(block.begin), 0};
-  const hsize_t count[2] = {static_cast<hsize_t>(block.count), static_cast<hsize_t>(columns)};
-  values.resize(static_cast<std::size_t>(block.count * columns));
-  if (block.count == 0) return "";
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
-  h5::Handle memory(H5Screate_simple(2, count, nullptr), H5Sclose);
-  // Independent transfers: a rank that meets a damaged chunk must not leave the others waiting.
-  if (H5Dread(set, memoryType, memory, space, H5P_DEFAULT, values.data()) < 0)
-    return std::string("/state/") + name + " cannot be read (" + h5::lastError() + ")";
-  return "";
+/// What `work` throws as InputError, for `agree`.
+std::string problemIn(const std::function<void()>& work) {
+  try {
+    work();
+    return "";
+  } catch (const InputError& problem) {
+    return problem.what();
+  }
 }
 
+/// Reads rows of a dataset of /state; leaves `values` empty when it is missing.
 template <class T>
-bool allFinite(const std::vector<T>& values, std::size_t& where) {
-  for (where = 0; where < values.size(); ++where)
-    if (!std::isfinite(values[where])) return false;
-  return true;
+void readRows(const OpenState& file, const h5::Expected& expected, const RowBlock& block,
+              std::vector<T>& values) {
+  if (h5::find(file.segments(), expected.name) == h5::Found::nothing) return;
+  const std::string problem =
+      h5::readRows(file.segments(), expected, block.begin, block.count, values);
+  if (!problem.empty()) file.refuse(std::string("/state/") + expected.name + " " + problem);
+}
+
+/// The attributes of /run.
+RunRecord readRecord(const OpenState& file) {
+  std::vector<std::string> names;
+  auto visit = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+    return 0;
+  };
+  H5Aiterate2(file.record(), H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &names);
+  RunRecord record;
+  for (const std::string& name : names) {
+    const h5::Handle attribute(H5Aopen(file.record(), name.c_str(), H5P_DEFAULT), H5Aclose);
+    const h5::Handle type(H5Aget_type(attribute), H5Tclose);
+    const H5T_class_t kind = H5Tget_class(type);
+    // A copy of what was read, or a refusal.
+    auto keep = [&](auto& place, const auto& value) {
+      if (!value) file.refuse("the attribute " + name + " of /run cannot be read");
+      place[name] = *value;
+    };
+    if (kind == H5T_FLOAT) keep(record.reals, h5::readReals(file.record(), name.c_str()));
+    if (kind == H5T_INTEGER) keep(record.integers, h5::readIntegers(file.record(), name.c_str()));
+    if (kind == H5T_STRING) keep(record.texts, h5::readText(file.record(), name.c_str()));
+  }
+  return record;
+}
+
+/// The header of a file that `checkState` found in order.
+StateHeader readHeader(const OpenState& file) {
+  const hid_t group = file.segments();
+  StateHeader header;
+  const auto lower = h5::readReals(group, "lower"), upper = h5::readReals(group, "upper");
+  const auto periodic = h5::readIntegers(group, "periodic");
+  const auto units = h5::readText(group, "units");
+  header.rows = h5::inspect(group, rows::position).rows;
+  if (!lower || !upper || !periodic || !units || header.rows < 1)
+    file.refuse("it has changed while it was read");
+  for (std::size_t d = 0; d < 3; ++d) {
+    header.box.lower[d] = (*lower)[d];
+    header.box.upper[d] = (*upper)[d];
+    header.box.periodic[d] = (*periodic)[d] != 0;
+  }
+  header.units = *units;
+  if (auto step = h5::readIntegers(group, "step"); step && !step->empty()) header.step = (*step)[0];
+  if (auto time = h5::readReals(group, "time"); time && !time->empty()) header.time = (*time)[0];
+  if (file.hasRecord()) header.run = readRecord(file);
+  header.identity = file.identity();
+  return header;
 }
 
 /// First row of the fibre that holds each of this rank's rows, and that fibre's number of segments.
@@ -78,262 +122,208 @@ Chains findChains(MPI_Comm comm, int rank, int ranks, std::int64_t total, const 
   return chains;
 }
 
-}  // namespace
-
-std::string stateFileProblem(const std::string& file) {
-  const std::string what = "state file " + file + " cannot be used: ";
-  std::error_code code;
-  if (!std::filesystem::exists(file, code)) return what + "it does not exist";
-  if (std::filesystem::is_directory(file, code)) return what + "it is a folder";
-  h5::silence();
-  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!f.valid()) return what + "not a readable HDF5 file (" + h5::lastError() + ")";
-  if (H5Lexists(f, "state", H5P_DEFAULT) <= 0) return what + "it has no group /state";
-  h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
-  if (!group.valid()) return what + "/state is not a group";
-  const auto name = h5::readText(group, "format");
-  if (!name || *name != stateFormatName)
-    return what + "the attribute format of /state is not '" + stateFormatName + "'";
-  const auto version = h5::readIntegers(group, "version");
-  if (!version || version->size() != 1 || (*version)[0] != stateFormatVersion)
-    return what + "its version is not 1";
-  const auto units = h5::readText(group, "units");
-  if (!units || (*units != "nano" && *units != "si"))
-    return what + "the attribute units must be 'nano' or 'si'";
-  for (const char* corner : {"lower", "upper"}) {
-    const auto values = h5::readReals(group, corner);
-    if (!values || values->size() != 3 ||
-        !std::ranges::all_of(*values, [](double x) { return std::isfinite(x); }))
-      return what + "the attribute " + corner + " must be three finite numbers";
-  }
-  const auto lower = *h5::readReals(group, "lower"), upper = *h5::readReals(group, "upper");
-  for (std::size_t d = 0; d < 3; ++d)
-    if (!(lower[d] < upper[d])) return what + "the box has no extent (attributes lower and upper)";
-  if (const auto step = h5::readIntegers(group, "step");
-      step && (step->size() != 1 || (*step)[0] < 0))
-    return what + "the attribute step must be a whole number, not negative";
-  if (const auto time = h5::readReals(group, "time");
-      time && (time->size() != 1 || !std::isfinite((*time)[0])))
-    return what + "the attribute time must be a finite number";
-  const auto periodic = h5::readIntegers(group, "periodic");
-  if (!periodic || periodic->size() != 3)
-    return what + "the attribute periodic must be three integers";
-
-  hsize_t rows = 0;
-  struct Expected {
-    const char* name;
-    int columns;
-    bool required;
-  };
-  constexpr Expected datasets[] = {
-      {"position", 3, true},
-      {"orientation", 4, true},
-      {"fibre", 1, true},
-      {"index", 1, true},
-      {"image", 3, false},
-      {"velocity", 3, false},
-      {"angular_velocity", 3, false},
-      {"group", 1, false},
-      {"bond_broken", 1, false},
-      {"gap", 4, false},
-      {"viscous", 6, false},
-  };
-  for (const Expected& e : datasets) {
-    if (H5Lexists(group, e.name, H5P_DEFAULT) <= 0) {
-      if (e.required) return what + "/state/" + e.name + " is missing";
-      continue;
-    }
-    h5::Handle set(H5Dopen2(group, e.name, H5P_DEFAULT), H5Dclose);
-    if (!set.valid()) return what + "/state/" + e.name + " is not a dataset";
-    h5::Handle space(H5Dget_space(set), H5Sclose);
-    hsize_t shape[8] = {0, 1};
-    const int dimensions = H5Sget_simple_extent_ndims(space);
-    if (dimensions >= 1 && dimensions <= 8) H5Sget_simple_extent_dims(space, shape, nullptr);
-    const bool right = e.columns == 1
-                           ? dimensions == 1
-                           : dimensions == 2 && shape[1] == static_cast<hsize_t>(e.columns);
-    if (rows == 0) rows = shape[0];
-    if (!right || shape[0] != rows || rows == 0)
-      return what + format("/state/%s must have the shape [N%s] with the same N > 0 as position",
-                           e.name, e.columns == 1 ? "" : format(", %d", e.columns).c_str());
-  }
-  if (rows > 2147483647u) return what + "more than 2^31 - 1 segments";
-  return "";
-}
-
-StateHeader readStateHeader(MPI_Comm comm, const std::string& file) {
-  int rank;
-  MPI_Comm_rank(comm, &rank);
-  agree<InputError>(comm, rank == 0 ? stateFileProblem(file) : "");
-  h5::silence();
-  // Small and read-only: every rank reads it by itself.
-  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
-  StateHeader header;
-  const auto lower = *h5::readReals(group, "lower"), upper = *h5::readReals(group, "upper");
-  const auto periodic = *h5::readIntegers(group, "periodic");
-  for (int d = 0; d < 3; ++d) {
-    header.box.lower[d] = lower[d];
-    header.box.upper[d] = upper[d];
-    header.box.periodic[d] = periodic[d] != 0;
-  }
-  header.units = *h5::readText(group, "units");
-  if (auto step = h5::readIntegers(group, "step"); step && !step->empty()) header.step = (*step)[0];
-  if (auto time = h5::readReals(group, "time"); time && !time->empty()) header.time = (*time)[0];
-  h5::Handle position(H5Dopen2(group, "position", H5P_DEFAULT), H5Dclose);
-  h5::Handle space(H5Dget_space(position), H5Sclose);
-  hsize_t shape[2];
-  H5Sget_simple_extent_dims(space, shape, nullptr);
-  header.rows = static_cast<std::int64_t>(shape[0]);
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
-  std::vector<std::int8_t> broken;
-  const std::string problem = readRows(group, "bond_broken", H5T_NATIVE_INT8,
-                                       RowBlock(header.rows, rank, ranks), 1, broken);
-  agree<InputError>(comm,
-                    problem.empty() ? "" : "state file " + file + " cannot be used: " + problem);
-  int any = std::ranges::any_of(broken, [](std::int8_t b) { return b != 0; });
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm);
-  header.anyBroken = any != 0;
-  if (H5Lexists(f, "run", H5P_DEFAULT) > 0) {
-    h5::Handle run(H5Gopen2(f, "run", H5P_DEFAULT), H5Gclose);
-    auto visit = [](hid_t object, const char* name, const H5A_info_t*, void* out) -> herr_t {
-      auto& record = *static_cast<RunRecord*>(out);
-      h5::Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-      h5::Handle type(H5Aget_type(attribute), H5Tclose);
-      if (H5Tget_class(type) == H5T_FLOAT)
-        record.reals[name] = *h5::readReals(object, name);
-      else if (H5Tget_class(type) == H5T_INTEGER)
-        record.integers[name] = *h5::readIntegers(object, name);
-      else if (H5Tget_class(type) == H5T_STRING)
-        record.texts[name] = h5::readText(object, name).value_or("");
-      return 0;
-    };
-    H5Aiterate2(run, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &header.run);
-  }
-  return header;
-}
-
-void readStateRows(const std::string& file, const StateHeader& header, State& state) {
-  const MPI_Comm comm = state.comm();
-  const RowBlock block(header.rows, state.rank(), state.ranks());
+/// The rows of one rank as they stand in the file.
+struct RawRows {
   std::vector<double> position, orientation, velocity, angular, viscous;
   std::vector<std::int64_t> fibre, index, gap, closed;
   std::vector<std::int32_t> image, group;
   std::vector<std::int8_t> broken;
-  std::string problem;
-  {
-    h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    h5::Handle g(f.valid() ? H5Gopen2(f, "state", H5P_DEFAULT) : -1, H5Gclose);
-    if (!g.valid()) problem = "it cannot be opened on every rank";
-    auto read = [&](const char* name, hid_t type, int columns, auto& values) {
-      if (problem.empty()) problem = readRows(g, name, type, block, columns, values);
-    };
-    read("position", H5T_NATIVE_DOUBLE, 3, position);
-    read("orientation", H5T_NATIVE_DOUBLE, 4, orientation);
-    read("fibre", H5T_NATIVE_INT64, 1, fibre);
-    read("index", H5T_NATIVE_INT64, 1, index);
-    read("image", H5T_NATIVE_INT32, 3, image);
-    read("velocity", H5T_NATIVE_DOUBLE, 3, velocity);
-    read("angular_velocity", H5T_NATIVE_DOUBLE, 3, angular);
-    read("group", H5T_NATIVE_INT32, 1, group);
-    read("bond_broken", H5T_NATIVE_INT8, 1, broken);
-    read("gap", H5T_NATIVE_INT64, 4, gap);
-    read("viscous", H5T_NATIVE_DOUBLE, 6, viscous);
-    if (problem.empty() && H5Lexists(g, "fibre_closed", H5P_DEFAULT) > 0) {
-      h5::Handle set(H5Dopen2(g, "fibre_closed", H5P_DEFAULT), H5Dclose);
-      h5::Handle space(H5Dget_space(set), H5Sclose);
-      const hssize_t count = H5Sget_simple_extent_npoints(space);
-      closed.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
-      if (count > 0 &&
-          H5Dread(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, closed.data()) < 0)
-        problem = "/state/fibre_closed cannot be read";
-      std::ranges::sort(closed);
-    }
-  }
-  const std::string what = "state file " + file + " cannot be used: ";
-  agree<InputError>(comm, problem.empty() ? "" : what + problem);
 
-  const auto n = static_cast<std::size_t>(block.count);
-  auto rowName = [&](std::size_t k) {
+  RawRows(const OpenState& file, const RowBlock& block) {
+    readRows(file, rows::position, block, position);
+    readRows(file, rows::orientation, block, orientation);
+    readRows(file, rows::fibre, block, fibre);
+    readRows(file, rows::index, block, index);
+    readRows(file, rows::image, block, image);
+    readRows(file, rows::velocity, block, velocity);
+    readRows(file, rows::angularVelocity, block, angular);
+    readRows(file, rows::group, block, group);
+    readRows(file, rows::bondBroken, block, broken);
+    readRows(file, rows::gap, block, gap);
+    readRows(file, rows::viscous, block, viscous);
+    if (h5::find(file.segments(), rows::fibreClosed.name) == h5::Found::nothing) return;
+    // Every rank needs all of it.
+    readRows(file, rows::fibreClosed,
+             RowBlock(h5::inspect(file.segments(), rows::fibreClosed).rows, 0, 1), closed);
+    std::ranges::sort(closed);
+  }
+};
+
+/// Looks at the values that a rank has read, and names the row of the first that makes no sense.
+class RowCheck {
+ public:
+  RowCheck(const RawRows& raw, const RowBlock& block, const Box& box)
+      : raw_(raw), block_(block), box_(box) {}
+
+  /// `previous`: (fibre, index) of the last row before this rank's, index -1 for none.
+  std::string problem(std::int64_t fibre, std::int64_t index) const {
+    for (std::size_t k = 0; k < raw_.fibre.size(); ++k) {
+      const bool continues = index >= 0 && raw_.fibre[k] == fibre && raw_.index[k] == index + 1;
+      const bool starts = raw_.index[k] == 0 && (index < 0 || raw_.fibre[k] > fibre);
+      if (!continues && !starts)
+        return name(k) +
+               ": rows must be ordered by fibre, and index must count 0, 1, 2, ... along each";
+      fibre = raw_.fibre[k], index = raw_.index[k];
+      if (const std::string text = valuesOf(k); !text.empty()) return name(k) + text;
+    }
+    return "";
+  }
+
+ private:
+  std::string name(std::size_t k) const {
     return format("row %lld (fibre %lld, index %lld)",
-                  static_cast<long long>(block.begin + static_cast<std::int64_t>(k)),
-                  static_cast<long long>(fibre[k]), static_cast<long long>(index[k]));
-  };
-  // The last (fibre, index) of the rank before, to check the order across blocks.
-  std::int64_t last[2] = {0, -1}, previous[2] = {0, -1};
-  if (n > 0) last[0] = fibre[n - 1], last[1] = index[n - 1];
+                  static_cast<long long>(block_.begin + static_cast<std::int64_t>(k)),
+                  static_cast<long long>(raw_.fibre[k]), static_cast<long long>(raw_.index[k]));
+  }
+  static bool finite(const std::vector<double>& values, std::size_t columns, std::size_t k) {
+    return values.empty() ||
+           std::all_of(values.begin() + static_cast<std::ptrdiff_t>(columns * k),
+                       values.begin() + static_cast<std::ptrdiff_t>(columns * (k + 1)),
+                       [](double x) { return std::isfinite(x); });
+  }
+  std::string valuesOf(std::size_t k) const {
+    const double* q = &raw_.orientation[4 * k];
+    const double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(std::abs(norm2 - 1.0) < 2e-3))
+      return format(": its orientation is not a unit quaternion (norm %g)", std::sqrt(norm2));
+    if (!finite(raw_.position, 3, k)) return ": its position is not a finite number";
+    if (!finite(raw_.velocity, 3, k)) return ": its velocity is not a finite number";
+    if (!finite(raw_.angular, 3, k)) return ": its angular_velocity is not a finite number";
+    if (!finite(raw_.viscous, 6, k)) return ": its viscous force is not a finite number";
+    if (!raw_.broken.empty() && raw_.broken[k] != 0 && raw_.broken[k] != 1)
+      return format(": its bond_broken is %d; it must be 0 or 1", raw_.broken[k]);
+    for (int d = 0; d < 3; ++d) {
+      const std::size_t at = 3 * k + static_cast<std::size_t>(d);
+      // Wraps are counted in 32 bits.
+      if (box_.periodic[static_cast<std::size_t>(d)] &&
+          std::abs((raw_.position[at] - box_.lower[static_cast<std::size_t>(d)]) / box_.length(d)) +
+                  (raw_.image.empty() ? 0.0 : std::abs(static_cast<double>(raw_.image[at]))) >
+              1e9)
+        return ": it lies more than 1e9 periods from the box";
+    }
+    return "";
+  }
+
+  const RawRows& raw_;
+  const RowBlock& block_;
+  const Box& box_;
+};
+
+/// The last (fibre, index) of the ranks before, index -1 for none.
+std::array<std::int64_t, 2> lastBefore(const State& state, const RawRows& raw) {
+  std::int64_t last[2] = {0, -1};
+  if (!raw.fibre.empty()) last[0] = raw.fibre.back(), last[1] = raw.index.back();
   std::vector<std::int64_t> lasts(2 * static_cast<std::size_t>(state.ranks()));
-  MPI_Allgather(last, 2, MPI_INT64_T, lasts.data(), 2, MPI_INT64_T, comm);
+  MPI_Allgather(last, 2, MPI_INT64_T, lasts.data(), 2, MPI_INT64_T, state.comm());
+  std::array<std::int64_t, 2> previous{0, -1};
   for (int r = 0; r < state.rank(); ++r)
     if (const auto k = 2 * static_cast<std::size_t>(r); lasts[k + 1] >= 0)
-      previous[0] = lasts[k], previous[1] = lasts[k + 1];
-  std::size_t at;
-  for (std::size_t k = 0; k < n && problem.empty(); ++k) {
-    const bool continues =
-        previous[1] >= 0 && fibre[k] == previous[0] && index[k] == previous[1] + 1;
-    const bool starts = index[k] == 0 && (previous[1] < 0 || fibre[k] > previous[0]);
-    if (!continues && !starts)
-      problem = rowName(k) +
-                ": rows must be ordered by fibre, and index must count 0, 1, 2, ... along each";
-    previous[0] = fibre[k], previous[1] = index[k];
-    const double* q = &orientation[4 * k];
-    const double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (problem.empty() && !(std::abs(norm2 - 1.0) < 2e-3))
-      problem = rowName(k) +
-                format(": its orientation is not a unit quaternion (norm %g)", std::sqrt(norm2));
+      previous = {lasts[k], lasts[k + 1]};
+  return previous;
+}
+
+/// Which of the closed fibres no rank has, or that are too short. Collective.
+std::string problemOfClosed(MPI_Comm comm, const RawRows& raw, const Chains& chains) {
+  std::vector<std::int64_t> length(raw.closed.size(), 0);
+  for (std::size_t k = 0; k < raw.fibre.size(); ++k)
+    if (const auto at = std::ranges::lower_bound(raw.closed, raw.fibre[k]);
+        at != raw.closed.end() && *at == raw.fibre[k])
+      length[static_cast<std::size_t>(at - raw.closed.begin())] = chains.length[k];
+  MPI_Allreduce(MPI_IN_PLACE, length.data(), static_cast<int>(length.size()), MPI_INT64_T, MPI_MAX,
+                comm);
+  for (std::size_t k = 0; k < length.size(); ++k) {
+    if (k > 0 && raw.closed[k] == raw.closed[k - 1]) {
+      if (length[k] == 0) length[k] = length[k - 1];
+    }
+    const auto fibre = static_cast<long long>(raw.closed[k]);
+    if (length[k] == 0)
+      return format("fibre_closed names the fibre %lld, which it does not have", fibre);
+    if (length[k] < 3)
+      return format(
+          "fibre_closed names the fibre %lld of %lld segments; a closed fibre needs three", fibre,
+          static_cast<long long>(length[k]));
   }
-  auto checkFinite = [&](const std::vector<double>& values, std::size_t columns, const char* name) {
-    if (problem.empty() && !allFinite(values, at))
-      problem = rowName(at / columns) + ": its " + name + " is not a finite number";
-  };
-  checkFinite(position, 3, "position");
-  checkFinite(velocity, 3, "velocity");
-  checkFinite(angular, 3, "angular_velocity");
-  agree<InputError>(comm, problem.empty() ? "" : what + problem);
+  return "";
+}
 
-  // Every closed fibre must be there.
-  std::vector<int> found(closed.size(), 0);
-  for (std::size_t k = 0; k < n; ++k)
-    if (const auto at = std::ranges::lower_bound(closed, fibre[k]);
-        at != closed.end() && *at == fibre[k])
-      found[static_cast<std::size_t>(at - closed.begin())] = 1;
-  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, comm);
-  for (std::size_t k = 0; k < found.size(); ++k)
-    if (!found[k])
-      throw InputError(what + format("fibre_closed names the fibre %lld, which it does not have",
-                                     static_cast<long long>(closed[k])));
-
-  const Chains chains = findChains(comm, state.rank(), state.ranks(), header.rows, block, index);
-  for (std::size_t k = 0; k < n && problem.empty(); ++k)
-    if (chains.length[k] < 3 && std::ranges::binary_search(closed, fibre[k]))
-      problem =
-          format("fibre_closed names the fibre %lld of %lld segments; a closed fibre needs three",
-                 static_cast<long long>(fibre[k]), static_cast<long long>(chains.length[k]));
-  agree<InputError>(comm, problem.empty() ? "" : what + problem);
-  state.addOwned(static_cast<int>(n));
-  for (std::size_t k = 0; k < n; ++k) {
+void fill(State& state, const RawRows& raw, const Chains& chains, const RowBlock& block) {
+  for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
     const int i = static_cast<int>(k);
     state.row[k] = block.begin + i;
-    state.fibre[k] = fibre[k];
-    state.chain[2 * k] = static_cast<std::int32_t>(index[k]);
+    state.fibre[k] = raw.fibre[k];
+    state.chain[2 * k] = static_cast<std::int32_t>(raw.index[k]);
     state.chain[2 * k + 1] = static_cast<std::int32_t>(chains.length[k]);
-    std::copy_n(&position[3 * k], 3, state.pose + 8 * k);
-    const double* q = &orientation[4 * k];
+    std::copy_n(&raw.position[3 * k], 3, state.pose + 8 * k);
+    const double* q = &raw.orientation[4 * k];
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     // Our own states come back with their bits; only foreign ones need normalising.
     const double scale = std::abs(norm - 1.0) < 1e-12 ? 1.0 : 1.0 / norm;
     state.setOrientation(i, {scale * q[0], scale * q[1], scale * q[2], scale * q[3]});
-    if (!velocity.empty()) std::copy_n(&velocity[3 * k], 3, state.velocity + 3 * k);
-    if (!angular.empty()) std::copy_n(&angular[3 * k], 3, state.angular + 3 * k);
-    if (!viscous.empty() && state.viscous) std::copy_n(&viscous[6 * k], 6, state.viscous + 6 * k);
-    if (!image.empty()) std::copy_n(&image[3 * k], 3, state.image + 3 * k);
-    if (!group.empty()) state.group[k] = group[k];
-    if (!gap.empty() && state.gap) std::copy_n(&gap[4 * k], 4, state.gap + 4 * k);
-    if (std::ranges::binary_search(closed, fibre[k])) state.bond[k] |= fibreClosed;
-    if (!broken.empty() && broken[k]) state.bond[k] |= nextBroken;
+    auto copy = [k](const auto& from, auto* to, std::size_t columns) {
+      if (!from.empty() && to) std::copy_n(&from[columns * k], columns, to + columns * k);
+    };
+    copy(raw.velocity, state.velocity, 3);
+    copy(raw.angular, state.angular, 3);
+    copy(raw.viscous, state.viscous, 6);
+    copy(raw.image, state.image, 3);
+    copy(raw.group, state.group, 1);
+    copy(raw.gap, state.gap, 4);
+    if (std::ranges::binary_search(raw.closed, raw.fibre[k])) state.bond[k] |= fibreClosed;
+    if (!raw.broken.empty() && raw.broken[k]) state.bond[k] |= nextBroken;
     state.box.wrap(state.pose + 8 * k, state.image + 3 * k);
   }
+}
+
+}  // namespace
+
+StateHeader readStateHeader(MPI_Comm comm, const std::string& name, Trust trust) {
+  int rank, ranks;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  std::string digest(64, ' ');
+  agree<InputError>(comm,
+                    rank == 0 ? problemIn([&] { digest = checkState(name, trust).digest; }) : "");
+  MPI_Bcast(digest.data(), static_cast<int>(digest.size()), MPI_CHAR, 0, comm);
+  // Small and read-only: every rank reads it by itself.
+  StateHeader header;
+  int broken = 0;
+  agree<InputError>(comm, problemIn([&] {
+                      OpenState file(name);
+                      file.openGroups();
+                      header = readHeader(file);
+                      std::vector<std::int8_t> bonds;
+                      readRows(file, rows::bondBroken, RowBlock(header.rows, rank, ranks), bonds);
+                      broken = std::ranges::any_of(bonds, [](std::int8_t b) { return b != 0; });
+                    }));
+  MPI_Allreduce(MPI_IN_PLACE, &broken, 1, MPI_INT, MPI_MAX, comm);
+  header.anyBroken = broken != 0;
+  header.digest = digest;
+  return header;
+}
+
+void readStateRows(const std::string& name, const StateHeader& header, State& state) {
+  const MPI_Comm comm = state.comm();
+  const RowBlock block(header.rows, state.rank(), state.ranks());
+  requireMemory(comm, block.count);
+  std::optional<RawRows> raw;
+  agree<InputError>(comm, problemIn([&] {
+                      OpenState file(name);
+                      if (file.identity() != header.identity)
+                        file.refuse("it was replaced while it was read");
+                      file.openGroups();
+                      raw.emplace(file, block);
+                    }));
+  const auto [fibre, index] = lastBefore(state, *raw);
+  const std::string what = "state file " + name + " cannot be used: ";
+  auto agreeOn = [&](const std::string& problem) {
+    agree<InputError>(comm, problem.empty() ? "" : what + problem);
+  };
+  agreeOn(RowCheck(*raw, block, state.box).problem(fibre, index));
+  const Chains chains =
+      findChains(comm, state.rank(), state.ranks(), header.rows, block, raw->index);
+  agreeOn(problemOfClosed(comm, *raw, chains));
+  state.addOwned(static_cast<int>(block.count));
+  fill(state, *raw, chains, block);
   state.countTotal();
   state.step = header.step;
   state.time = header.time;

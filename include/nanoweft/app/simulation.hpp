@@ -61,7 +61,11 @@ class Simulation {
   bool atEnd() const;
   bool due(long interval) const { return state_->step % interval == 0; }
 
-  RunRecord runRecord() const;
+  /// Where the results of this run come from.
+  Provenance provenance() const;
+  /// What a file of this run says of it; `purpose`: checkpoint, final or snapshot.
+  RunRecord runTexts(const char* purpose) const;
+  RunRecord runRecord(const char* purpose) const;
   void restoreAccounts();
   void writeCheckpoint(const std::string& file);
   std::string lastGoodCheckpoint() const;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nanoweft/base/units.hpp"
+#include "nanoweft/state/output_target.hpp"
 #include "nanoweft/state/state_file.hpp"
 
 namespace nanoweft {
@@ -14,9 +15,11 @@ class Snapshots {
  public:
   /// `name`: path without ending; in a restart (`restartStep` >= 0) earlier snapshots stay listed.
   Snapshots(MPI_Comm comm, std::string name, std::int64_t restartStep);
-  /// Throws InputError when snapshots of this name would replace files that are none.
-  static void check(MPI_Comm comm, const std::string& name);
-  void write(State& state, const UnitSystem& units, std::vector<SegmentField> fields);
+  /// Throws InputError when snapshots of this name would replace what is not this run's.
+  static void check(MPI_Comm comm, const std::string& name, const ReplaceRule& rule);
+  /// `run`: where the snapshot comes from.
+  void write(State& state, const UnitSystem& units, const RunRecord& run,
+             std::vector<SegmentField> fields);
 
  private:
   struct Entry {

@@ -9,6 +9,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/state/memory.hpp"
 #include "nanoweft/state/state.hpp"
 #include "nanoweft/state/state_file.hpp"
 
@@ -37,6 +38,7 @@ class Scene {
   virtual void fill(State& state) const = 0;
   /// The file that the state comes from, where it comes from one.
   virtual const StateHeader* header() const { return nullptr; }
+  virtual std::string file() const { return ""; }
 };
 
 /// Reads -scene and the options of the scenes. With a restart, no scene is made.
@@ -48,6 +50,7 @@ template <class Make>
 void fillFibres(State& state, std::int64_t fibres, int segments, const Make& make) {
   const std::int64_t first = fibres * state.rank() / state.ranks(),
                      last = fibres * (state.rank() + 1) / state.ranks();
+  requireMemory(state.comm(), (last - first) * segments);
   state.addOwned(static_cast<int>((last - first) * segments));
   int i = 0;
   for (std::int64_t f = first; f < last; ++f) {

@@ -1,14 +1,17 @@
 /// The state file (HDF5): geometry input, snapshot, checkpoint and final state are one layout.
 /// Rows are ordered by (fibre, index) whatever the number of ranks. The layout stands in README.md.
 ///
-/// Every dataset carries HDF5's own Fletcher-32 checksum, so a damaged file is refused on reading.
-/// Files are written under a temporary name and renamed when complete.
+/// The SHA-256 of the whole file stands in its HDF5 user block, so a damaged file is refused on
+/// reading; a file without it is one that a person made. Datasets carry HDF5's Fletcher-32 besides.
+/// Files become visible under their name when they are complete.
 #pragma once
 
 #include <map>
 #include <string>
 #include <vector>
 
+#include "nanoweft/base/output_file.hpp"
+#include "nanoweft/base/provenance.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/state/state.hpp"
 
@@ -29,6 +32,14 @@ struct StateHeader {
   std::string units = "nano";
   bool anyBroken = false;  ///< some bond is broken
   RunRecord run;
+  std::string digest;     ///< SHA-256 of the whole file, as sha256sum prints it
+  FileIdentity identity;  ///< of the file that was looked at
+};
+
+/// Whose hand a state file may come from.
+enum class Trust {
+  program,  ///< nanoweft's own files must be as nanoweft wrote them; others are made by hand
+  edited,   ///< a person says that the file was changed on purpose: its digest is not compared
 };
 
 /// A number for each owned segment, to be written as /field/NAME (float32).
@@ -44,18 +55,32 @@ struct StateWriteOptions {
 };
 
 /// Checks the file and reads all but the rows. Throws InputError, with the reason, for a file that
-/// is missing, damaged, truncated or not a state file.
-StateHeader readStateHeader(MPI_Comm comm, const std::string& file);
+/// is missing, damaged, truncated or not a state file. Collective.
+StateHeader readStateHeader(MPI_Comm comm, const std::string& file, Trust trust = Trust::program);
 
 /// Reads the rows into the empty `state`, a block of rows to each rank, and wraps positions.
 /// Throws InputError, naming the row, for values that make no sense.
 void readStateRows(const std::string& file, const StateHeader& header, State& state);
 
-/// Writes the owned points of all ranks. Ghosts are ignored. Throws RunError.
+/// Writes the owned points of all ranks; rank 0 alone touches the file. Ghosts are ignored. Throws
+/// RunError, with nothing changed, when the file cannot be written or its place has been taken
+/// since `refuseForeignTarget` looked. `run.texts` holds the provenance. Collective.
 void writeState(const std::string& file, State& state, const UnitSystem& units,
                 const RunRecord& run, const StateWriteOptions& what = {});
 
 /// Why the file as a whole cannot be used as a state, or nothing. Not collective.
-std::string stateFileProblem(const std::string& file);
+std::string stateFileProblem(const std::string& file, Trust trust = Trust::program);
+
+// Keys of RunRecord::texts.
+inline constexpr const char* programText = "program";
+inline constexpr const char* versionText = "version";
+inline constexpr const char* optionsText = "options";
+inline constexpr const char* inputText = "input";
+inline constexpr const char* purposeText = "purpose";  ///< checkpoint, final or snapshot
+
+/// The texts of a record that says where a file comes from, and back.
+std::map<std::string, std::string> provenanceTexts(const Provenance& run,
+                                                   const std::string& purpose);
+Provenance provenanceOf(const RunRecord& record);
 
 }  // namespace nanoweft

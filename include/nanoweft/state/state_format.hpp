@@ -4,28 +4,30 @@
 #include <hdf5.h>
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace nanoweft {
 
 inline constexpr const char* stateFormatName = "nanoweft-state";
 inline constexpr std::int64_t stateFormatVersion = 1;
+/// Rows of a chunk. Fixed, so that a file does not depend on the number of ranks.
+inline constexpr std::int64_t chunkRows = 16384;
 
-/// The rows that a rank reads or writes.
+/// The rows that a rank reads or puts in order for the file.
 struct RowBlock {
   std::int64_t begin, count;
   RowBlock(std::int64_t total, int rank, int ranks) {
     begin = total * rank / ranks;
     count = total * (rank + 1) / ranks - begin;
   }
+  /// The same in whole chunks.
+  static RowBlock ofChunks(std::int64_t total, int rank, int ranks) {
+    RowBlock block((total + chunkRows - 1) / chunkRows, rank, ranks);
+    block.begin *= chunkRows;
+    block.count = std::clamp<std::int64_t>(total - block.begin, 0, block.count * chunkRows);
+    return block;
+  }
 };
-
-/// File access by all ranks together; to be closed with H5Pclose.
-inline hid_t parallelAccess(MPI_Comm comm) {
-  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
-  H5Pset_all_coll_metadata_ops(access, true);
-  return access;
-}
 
 }  // namespace nanoweft

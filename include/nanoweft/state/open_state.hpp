@@ -1,0 +1,48 @@
+/// A state file that is open for reading, by one process.
+#pragma once
+
+#include <string>
+
+#include "nanoweft/base/hdf5.hpp"
+#include "nanoweft/base/hdf5_driver.hpp"
+#include "nanoweft/base/hdf5_numbers.hpp"
+#include "nanoweft/base/output_file.hpp"
+
+namespace nanoweft {
+
+class OpenState {
+ public:
+  /// Throws InputError, with the reason, for what is no readable HDF5 file with a group /state.
+  explicit OpenState(const std::string& file);
+  ~OpenState();
+  OpenState(const OpenState&) = delete;
+  OpenState& operator=(const OpenState&) = delete;
+
+  int descriptor() const { return open_.descriptor; }
+  /// Opens the file for HDF5: a file may be looked at before.
+  void openGroups();
+  hid_t file() const { return file_; }
+  hid_t segments() const { return segments_; }  ///< /state
+  hid_t record() const { return record_; }      ///< /run
+  bool hasRecord() const { return record_.valid(); }
+  FileIdentity identity() const { return FileIdentity::of(open_.descriptor); }
+
+  /// "state file F cannot be used: reason" as InputError.
+  [[noreturn]] void refuse(const std::string& reason) const;
+
+ private:
+  std::string name_;
+  h5::OpenFile open_;
+  h5::Handle file_, segments_, record_;
+};
+
+// The datasets of /state that a run reads.
+namespace rows {
+inline constexpr h5::Expected position{"position", 3, false}, orientation{"orientation", 4, false},
+    fibre{"fibre", 1, true}, index{"index", 1, true}, image{"image", 3, true},
+    velocity{"velocity", 3, false}, angularVelocity{"angular_velocity", 3, false},
+    group{"group", 1, true}, bondBroken{"bond_broken", 1, true}, gap{"gap", 4, true},
+    viscous{"viscous", 6, false}, fibreClosed{"fibre_closed", 1, true}, kind{"kind", 1, true};
+}  // namespace rows
+
+}  // namespace nanoweft
