@@ -25,6 +25,8 @@ void Simulation::printHeader() const {
   const BondParameters& b = fibre_.bond;
   PetscPrintf(comm_, "nanoweft %s: %d rank%s x %d thread%s\n", NANOWEFT_VERSION, state_->ranks(),
               state_->ranks() > 1 ? "s" : "", threads_, threads_ > 1 ? "s" : "");
+  if (threads_ < threadsAsked_)
+    PetscPrintf(comm_, "  %d threads asked, the runtime gives %d\n", threadsAsked_, threads_);
   PetscPrintf(comm_, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n",
               static_cast<long long>(state_->total()), box_.length(0), box_.length(1),
               box_.length(2), units_.length, box_.periodic[0], box_.periodic[1], box_.periodic[2]);

@@ -7,6 +7,7 @@
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/log.hpp"
 #include "nanoweft/base/random.hpp"
+#include "nanoweft/base/threads.hpp"
 #include "nanoweft/motion/breakage.hpp"
 #include "nanoweft/motion/residual.hpp"
 #include "nanoweft/record/gage_stress.hpp"
@@ -42,6 +43,7 @@ std::string timeColumn(const UnitSystem& units) {
 Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost)
     : comm_(comm),
       threads_(threads),
+      threadsAsked_(threads),
       threadsAtMost_(atMost),
       units_(readUnits(options)),
       fibre_(readFibre(options, units_)),
@@ -163,8 +165,10 @@ void Simulation::build() {
   if (threadsAtMost_) {
     const std::int64_t busy = state_->total() / state_->ranks() / segmentsPerThread;
     threads_ = static_cast<int>(std::clamp<std::int64_t>(busy, 1, threads_));
-    forces_->setThreads(threads_);
   }
+  threadsAsked_ = threads_;
+  threads_ = teamGiven(threadsAsked_);
+  forces_->setThreads(threads_);
   if (!restartHeader_ && settings_.perturb > 0) perturb();
   const RunRecord empty;
   boundaries_.attach(*state_, restartHeader_ ? restartHeader_->run : empty);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "nanoweft/base/random.hpp"
+#include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/gather.hpp"
 
 namespace nanoweft {
@@ -19,8 +20,7 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
                      const std::optional<BreakageLaw>& law) {
   breakable_ = law.has_value();
   threads_.resize(shares.size());
-#pragma omp parallel for schedule(static, 1)
-  for (std::size_t t = 0; t < shares.size(); ++t) {
+  onShares(shares.size(), [&](std::size_t t) {
     ThreadBonds& bonds = threads_[t];
     for (auto& part : bonds.parts) part.clear();
     bonds.next = 0;
@@ -42,7 +42,7 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
       if (const auto next = state.successor(m); next >= 0 && !(state.bond[m] & nextBroken))
         push(m, domain.localIndex(state, next, m + 1));
     }
-  }
+  });
 }
 
 namespace {

@@ -1,7 +1,5 @@
 #include "nanoweft/force/force_field.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/huge_pages.hpp"
 #include "nanoweft/base/log.hpp"
+#include "nanoweft/base/threads.hpp"
 
 namespace nanoweft {
 
@@ -195,21 +194,18 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   }
   {
     const LogScope log(bondEvent_);
-#pragma omp parallel num_threads(static_cast <int>(threads))
-    innerBonds(static_cast<std::size_t>(omp_get_thread_num()));
+    onShares(threads, innerBonds);
     PetscLogFlops(290.0 * static_cast<double>(bonds_.size()));
   }
   const double begin = MPI_Wtime();
   if (pair) {
     const LogScope log(pairEvent_);
-#pragma omp parallel num_threads(static_cast <int>(threads))
-    {
-      const auto t = static_cast<std::size_t>(omp_get_thread_num());
+    onShares(threads, [&](std::size_t t) {
       if (viscousOn)
         std::fill(viscousSums_.begin() + 6 * shares_[t].begin,
                   viscousSums_.begin() + 6 * shares_[t].end, 0);
       pair->add(pairJob(t, false), request.energies, pairTallies[t]);
-    }
+    });
   }
   double waited = MPI_Wtime();
   {
@@ -219,14 +215,11 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   waited = MPI_Wtime() - waited;
   if (state.ranks() > 1) {
     const LogScope log(bondEvent_);
-#pragma omp parallel num_threads(static_cast <int>(threads))
-    bonds(static_cast<std::size_t>(omp_get_thread_num()), BondList::outer);
+    onShares(threads, [&](std::size_t t) { bonds(t, BondList::outer); });
   }
   if (pair) {
     const LogScope log(pairEvent_);
-#pragma omp parallel num_threads(static_cast <int>(threads))
-    {
-      const auto t = static_cast<std::size_t>(omp_get_thread_num());
+    onShares(threads, [&](std::size_t t) {
       pair->add(pairJob(t, true), request.energies, pairTallies[t]);
       if (request.complete) complete(state, shares_[t].begin, shares_[t].end);
       if (viscousOn) {
@@ -238,7 +231,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
             state.viscous[k + 3] = torqueUnit * static_cast<double>(viscousSums_[k + 3]);
           }
       }
-    }
+    });
     std::int64_t pointPairs = 0;
     for (const PairTally& t : pairTallies) {
       resolved_ += t.resolved;

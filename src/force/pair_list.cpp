@@ -1,11 +1,11 @@
 #include "nanoweft/force/pair_list.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
 #include <utility>
+
+#include "nanoweft/base/threads.hpp"
 
 namespace nanoweft {
 
@@ -120,12 +120,10 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
   drawn_.resize(shares.size());
   shares_ = shares;
 
-#pragma omp parallel num_threads(static_cast <int>(shares.size()))
-  {
-#pragma omp for
-    for (std::size_t k = 0; k < order.size(); ++k)
-      segments.set(k, order[k], state.position(order[k]));
-    const auto t = static_cast<std::size_t>(omp_get_thread_num());
+#pragma omp parallel for num_threads(static_cast <int>(shares.size()))
+  for (std::size_t k = 0; k < order.size(); ++k)
+    segments.set(k, order[k], state.position(order[k]));
+  onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
     auto mine = [share](int i) { return i >= share.begin && i < share.end; };
     Parts<std::vector<ListPair>> lists;
@@ -170,7 +168,7 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
     }
     threads_[t].inner.set(lists.inner, owned);
     threads_[t].outer.set(lists.outer, state.local());
-  }
+  });
 }
 
 void PairList::count(std::vector<double>& pairs) const {

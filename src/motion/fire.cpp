@@ -1,10 +1,9 @@
 #include "nanoweft/motion/fire.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "nanoweft/base/threads.hpp"
 #include "nanoweft/motion/residual.hpp"
 
 namespace nanoweft {
@@ -39,12 +38,10 @@ void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundarie
   const double mass = forces.fibre().mass, inertia = forces.fibre().inertia;
   const double perMass = 1.0 / mass, perInertia = 1.0 / inertia;
   const auto& shares = forces.shares();
-  const int threads = static_cast<int>(shares.size());
 
   ExactSum sums[3];
-#pragma omp parallel num_threads(threads)
-  {
-    const Share share = shares[static_cast<std::size_t>(omp_get_thread_num())];
+  onShares(shares.size(), [&](std::size_t t) {
+    const Share share = shares[t];
     ExactSum mine[3];
     for (std::int32_t i = share.begin; i < share.end; ++i) {
       const Residual r = residualOf(s, boundaries, i);
@@ -64,7 +61,7 @@ void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundarie
     }
 #pragma omp critical
     for (int k = 0; k < 3; ++k) sums[k].merge(mine[k]);
-  }
+  });
   ExactSum::reduce(sums, 3, s.comm());
   const double power = sums[0].value(powerUnit_), speed2 = sums[1].value(speedUnit_),
                force2 = sums[2].value(forceUnit_);
@@ -84,9 +81,8 @@ void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundarie
   }
 
   const SumUnit& unit = forces.energyUnit();
-#pragma omp parallel num_threads(threads)
-  {
-    const Share share = shares[static_cast<std::size_t>(omp_get_thread_num())];
+  onShares(shares.size(), [&](std::size_t t) {
+    const Share share = shares[t];
     ExactSum removed;
     for (std::int32_t i = share.begin; i < share.end; ++i) {
       const Residual r = residualOf(s, boundaries, i);
@@ -105,7 +101,7 @@ void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundarie
     }
 #pragma omp critical
     accounts.damped.merge(removed);
-  }
+  });
 }
 
 void Fire::save(RunRecord& record) const {

@@ -1,11 +1,11 @@
 #include "nanoweft/motion/verlet.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
+
+#include "nanoweft/base/threads.hpp"
 
 namespace nanoweft {
 
@@ -259,9 +259,7 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
   const auto& shares = forces.shares();
   std::vector<DriftReport> reports(shares.size());
   forces.startFollowing();
-#pragma omp parallel num_threads(static_cast <int>(shares.size()))
-  {
-    const auto t = static_cast<std::size_t>(omp_get_thread_num());
+  onShares(shares.size(), [&](std::size_t t) {
     Kicker second(state, forces, boundaries, actionsThen, damping_, h);
     Kicker first(state, forces, boundaries, actions, damping_, h);
     Drifter drift(state, forces, dt_);
@@ -288,7 +286,7 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
       second.close(accounts);
       first.close(accounts);
     }
-  }
+  });
   owed_ = false;
   state.time += dt_;
   ++state.step;
@@ -304,9 +302,7 @@ void Verlet::kick(State& state, ForceField& forces, const Boundaries& boundaries
                   EnergyAccounts& accounts) const {
   const auto actions = actionsAt(boundaries, state.time, state.time);
   const auto& shares = forces.shares();
-#pragma omp parallel num_threads(static_cast <int>(shares.size()))
-  {
-    const auto t = static_cast<std::size_t>(omp_get_thread_num());
+  onShares(shares.size(), [&](std::size_t t) {
     Kicker kick(state, forces, boundaries, actions, damping_, 0.5 * dt_);
     inGroups(shares[t], [&](std::int32_t begin, std::int32_t end) {
       forces.complete(state, begin, end);
@@ -314,7 +310,7 @@ void Verlet::kick(State& state, ForceField& forces, const Boundaries& boundaries
     });
 #pragma omp critical
     kick.close(accounts);
-  }
+  });
 }
 
 }  // namespace nanoweft

@@ -84,7 +84,7 @@ class Simulation {
   double strain() const;
 
   MPI_Comm comm_;
-  int threads_;
+  int threads_, threadsAsked_;  ///< the team that the runtime gives, and the one asked for
   bool threadsAtMost_;
   const UnitSystem& units_;
   Fibre fibre_;
