@@ -9,8 +9,11 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from .damage import damage_trial, flip_trial, table_trial
 from .kills import kill_trial, signal_trial
 from .layouts import layout_trial
+from .limits import limit_trial
+from .option_sets import option_trial
 from .trial import ReferenceFailed, Setting, Trial
 
 
@@ -27,6 +30,11 @@ class Part:
 PARTS: dict[str, Part] = {
     "kills": Part(kill_trial, 3, {"kills": 300}),
     "signals": Part(signal_trial, 2, {"signals": 100}),
+    "flips": Part(flip_trial, 3, {"flips": 2000}),
+    "damage": Part(damage_trial, 1, {"other damage": 500}),
+    "tables": Part(table_trial, 1, {"tables": 300}),
+    "options": Part(option_trial, 2, {"option sets": 1000}),
+    "limits": Part(limit_trial, 1, {"limits": 300}),
     "bytes": Part(layout_trial, 3, {"comparisons": 200}),
 }
 

@@ -8,16 +8,17 @@ import time
 
 from .files import first_difference, problem_of_state, problem_of_table, step_of_state
 from .processes import Command, Running, send
-from .scenes import Scene, draw, reference
+from .scenes import Scene, draw, kinds_offered, reference
 from .trial import TIMEOUT, Trial
 
 SCENES = 24  # scenes of a campaign's kills; each has its undisturbed run
 SIGNALS = [signal.SIGINT, signal.SIGHUP, signal.SIGTERM, signal.SIGUSR1, signal.SIGXCPU]
 
 
-def _scene(trial: Trial, kinds: list[str] | None = None) -> tuple[Scene, pathlib.Path]:
+def _scene(trial: Trial) -> tuple[Scene, pathlib.Path]:
     number = trial.random.randrange(SCENES)
-    scene = draw(random.Random(f"{trial.setting.seed}/kills/{number}"), kinds, 4.0)
+    scene = draw(random.Random(f"{trial.setting.seed}/kills/{number}"),
+                 kinds_offered(trial.setting), 4.0)
     return scene, reference(trial.setting, f"kills-{number}", scene)
 
 

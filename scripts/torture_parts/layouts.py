@@ -4,7 +4,7 @@ import random
 
 from .files import first_difference
 from .processes import Command
-from .scenes import MAKERS, Scene, draw, has_single_precision, reference
+from .scenes import Scene, draw, kinds_offered, reference
 from .trial import Trial
 
 PER_SCENE = 6  # layouts compared with each undisturbed run
@@ -18,11 +18,8 @@ def _pieces(scene: Scene, rng: random.Random) -> list[int]:
 
 def layout_trial(trial: Trial) -> None:
     number = trial.number // PER_SCENE
-    kinds = [kind for kind in MAKERS if kind != "single"]
     drawn = random.Random(f"{trial.setting.seed}/bytes/{number}")
-    if drawn.random() < 0.1 and has_single_precision(trial.setting):
-        kinds = ["single"]
-    scene = draw(drawn, kinds)
+    scene = draw(drawn, kinds_offered(trial.setting))
     whole = reference(trial.setting, f"bytes-{number}", scene)
     rng, restart = trial.random, []
     skin = ["-pair_skin", f"{rng.uniform(0.5, 20):.3g}"] if rng.random() < 0.4 else []

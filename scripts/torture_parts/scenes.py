@@ -111,9 +111,9 @@ STEPS = {"weave": 200, "periodic": 60, "fibre": 500, "closed": 300, "viscous": 2
          "held": 200, "tension": 300, "single": 60}
 
 
-def draw(rng: random.Random, kinds: list[str] | None = None, length: float = 1.0) -> Scene:
+def draw(rng: random.Random, kinds: list[str], length: float = 1.0) -> Scene:
     """A scene of one of the kinds with random outputs; `length` scales its steps."""
-    kind = rng.choice(kinds or list(MAKERS))
+    kind = rng.choice(kinds)
     steps = max(10, int(STEPS[kind] * length * rng.uniform(0.7, 1.3)))
     scene = Scene(kind, MAKERS[kind](rng), steps, kind == "tension")
     scene.table_interval = rng.choice([1, 5, 10, 25])
@@ -122,13 +122,16 @@ def draw(rng: random.Random, kinds: list[str] | None = None, length: float = 1.0
     return scene
 
 
-def has_single_precision(setting: Setting) -> bool:
-    """Whether this build and machine offer -pair_precision single."""
-    trial = Trial(setting, "references", 0, "single-offered")
-    outcome = trial.run(Command(["-pair_precision", "single", "-weave_fibres", "2,2",
-                                 "-weave_segments", "12", "-ts_max_steps", "0"]))
-    trial.remove()
-    return outcome.status == 0
+def kinds_offered(setting: Setting) -> list[str]:
+    """All kinds, without single precision where this build or machine does not have it."""
+    with setting.lock:
+        if setting.kinds is None:
+            trial = Trial(setting, "references", 0, "single-offered")
+            outcome = trial.run(Command(["-pair_precision", "single", "-weave_fibres", "2,2",
+                                         "-weave_segments", "12", "-ts_max_steps", "0"]))
+            trial.remove()
+            setting.kinds = [kind for kind in MAKERS if kind != "single" or outcome.status == 0]
+    return setting.kinds
 
 
 def reference(setting: Setting, key: str, scene: Scene) -> pathlib.Path:

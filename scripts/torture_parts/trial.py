@@ -20,6 +20,7 @@ class Setting:
     seed: int
     folder: pathlib.Path  # of the work; on a fast file system
     base: dict[str, str] = field(default_factory=environment)
+    kinds: list[str] | None = None  # of scenes that the program offers
     references: dict[str, "Kept"] = field(default_factory=dict)
     lock: threading.Lock = field(default_factory=threading.Lock)
 
