@@ -1,30 +1,51 @@
 #include "nanoweft/app/program.hpp"
 
+#include <hdf5.h>
 #include <omp.h>
 
 #include <algorithm>
-#include <cctype>
+#include <chrono>
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <new>
 #include <thread>
 
+#include "nanoweft/app/option_files.hpp"
 #include "nanoweft/app/signals.hpp"
 #include "nanoweft/app/simulation.hpp"
+#include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
 
 namespace {
 
-constexpr const char* help =
+constexpr const char* introduction =
     "nanoweft: fabrics, films and yarns of nano- and microfibres by the mesoscopic distinct "
     "element method.\n"
     "  mpirun -n 4 nanoweft -options_file run.opts\n"
-    "OMP_NUM_THREADS sets the threads of each rank. Options of nanoweft stand after PETSc's.\n";
+    "OMP_NUM_THREADS sets the threads of each rank. PETSc's own options follow with -help.\n";
+
+/// Seconds after which a rank that failed believes that the others have not.
+constexpr double patience = 5.0;
+
+/// What PETSc says about its own options, on rank 0.
+std::string petscHelp;
+
+PetscErrorCode keepPetscHelp(MPI_Comm comm, const char* pattern, ...) {
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  if (rank != 0) return 0;
+  char text[8192];
+  std::size_t length = 0;
+  va_list arguments;
+  va_start(arguments, pattern);
+  const PetscErrorCode code = PetscVSNPrintf(text, sizeof text, pattern, &length, arguments);
+  va_end(arguments);
+  petscHelp += text;
+  return code;
+}
 
 /// OMP_NUM_THREADS, or a fair share of the cores that this rank may use.
 int threadsPerRank(MPI_Comm comm) {
@@ -40,105 +61,174 @@ int threadsPerRank(MPI_Comm comm) {
   return usable < cores ? usable : std::max(1, usable / ranks);
 }
 
-/// What is wrong with an options file, or nothing. PETSc itself would leave all ranks but the first
-/// waiting for a file that is not there or has a line that is no option.
-std::string problemInOptionsFile(const std::string& file, int depth) {
-  const std::string what = "-options_file " + file + ": ";
-  std::error_code code;
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file, code)) return what + "cannot be read";
-  if (depth > 10) return what + "files that include each other";
-  if (file.ends_with(".yaml") || file.ends_with(".yml")) return "";
-  std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    if (line.find('\0') != std::string::npos) return what + "is not a text file";
-    std::istringstream words(line.substr(0, line.find('#')));
-    std::string name, value;
-    if (!(words >> name)) continue;
-    if (name[0] != '-' && name != "alias")
-      return what + format("line %d: '%s' is no option (options begin with -)", number,
-                           name.substr(0, 40).c_str());
-    std::string rest;
-    words >> value;
-    if (words >> rest && name != "alias" && value[0] != '"' && value[0] != '\'')
-      return what + format("line %d: '%s' after the value; one option on a line", number,
-                           rest.substr(0, 40).c_str());
-    if (name == "-options_file" && !value.empty())
-      if (const std::string problem = problemInOptionsFile(value, depth + 1); !problem.empty())
-        return problem;
-  }
-  return "";
-}
-
-bool isOption(const char* word) {
-  return word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
-}
-
-std::string problemInArguments(int argc, char** argv) {
-  for (int k = 1; k < argc; ++k) {
-    if (!isOption(argv[k]) && (k == 1 || !isOption(argv[k - 1])))
-      return std::string("'") + argv[k] +
-             "' is no option; option files are given with -options_file NAME";
-    if (std::strcmp(argv[k], "-options_file")) continue;
-    if (k + 1 == argc) return "-options_file needs the name of a file";
-    if (const std::string problem = problemInOptionsFile(argv[k + 1], 0); !problem.empty())
-      return problem;
-  }
-  return "";
-}
-
 int report(int rank, const char* message, int status) {
   if (rank == 0) std::fprintf(stderr, "nanoweft: error: %s\n", message);
   return status;
 }
 
-int runWithPetsc(MPI_Comm comm, int rank) {
+/// The ranks of a run, with a way to find out whether all of them have come to the same end.
+class Ranks {
+ public:
+  Ranks() {
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    // Nothing else is sent here, so that ranks in different places do not disturb each other.
+    MPI_Comm_dup(MPI_COMM_WORLD, &ends_);
+  }
+  ~Ranks() { MPI_Comm_free(&ends_); }
+  Ranks(const Ranks&) = delete;
+  Ranks& operator=(const Ranks&) = delete;
+  int rank() const { return rank_; }
+
+  /// An error that the ranks have not agreed on. All leave in step when all came here; otherwise
+  /// the others may be waiting for this one, so MPI ends them.
+  int fail(const std::string& message, int status) const {
+    MPI_Request request;
+    MPI_Ibarrier(ends_, &request);
+    const bool together = arrived(request);
+    if (together) return report(rank_, message.c_str(), status);
+    std::fprintf(stderr, "nanoweft: error: rank %d: %s\n", rank_, message.c_str());
+    std::fflush(stderr);
+    MPI_Abort(MPI_COMM_WORLD, status);
+    return status;
+  }
+
+  /// Throws `Error` on all ranks when a call that all have made failed on any.
+  template <class Error>
+  void agreeOnCall(PetscErrorCode code, const char* what) const {
+    const std::string problem = code == 0 ? "" : what + (": " + petscMessage(code));
+    MPI_Request request;
+    MPI_Ibarrier(ends_, &request);
+    if (code == 0) {
+      MPI_Wait(&request, MPI_STATUS_IGNORE);
+    } else if (!arrived(request)) {
+      std::fprintf(stderr, "nanoweft: error: %s\n", problem.c_str());
+      std::fflush(stderr);
+      MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+    agree<Error>(ends_, problem);
+  }
+
+ private:
+  static bool arrived(MPI_Request& request) {
+    const double begin = MPI_Wtime();
+    for (int done = 0; !done;) {
+      MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+      if (done) return true;
+      if (MPI_Wtime() - begin > patience) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+  }
+
+  int rank_ = 0;
+  MPI_Comm ends_;
+};
+
+void printVersions(int rank) {
+  if (rank != 0) return;
+  int length = 0;
+  char mpi[MPI_MAX_LIBRARY_VERSION_STRING] = "";
+  MPI_Get_library_version(mpi, &length);
+  std::string library(mpi);
+  library.resize(std::min(library.size(), library.find_first_of(",\n")));
+  PetscInt major, minor, patch;
+  PetscGetVersionNumber(&major, &minor, &patch, nullptr);
+  unsigned h[3];
+  H5get_libversion(h, h + 1, h + 2);
+  std::printf("nanoweft %s\nPETSc %d.%d.%d, %s, HDF5 %u.%u.%u\n", NANOWEFT_VERSION,
+              static_cast<int>(major), static_cast<int>(minor), static_cast<int>(patch),
+              library.c_str(), h[0], h[1], h[2]);
+}
+
+void printHelp(MPI_Comm comm, const Options& options, bool brief) {
+  PetscPrintf(comm, "%s", introduction);
+  options.printHelp(comm);
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  if (rank == 0 && !brief) std::printf("Of PETSc\n%s", petscHelp.c_str());
+}
+
+int runWithPetsc(MPI_Comm comm, bool briefHelp) {
+  const int threads = threadsPerRank(comm);
+  omp_set_dynamic(0);
+  omp_set_num_threads(threads);
+  Options options;
+  Simulation simulation(comm, options, threads, std::getenv("OMP_NUM_THREADS") == nullptr);
+  if (!simulation.runnable()) {
+    printHelp(comm, options, briefHelp);
+    return 0;
+  }
+  return static_cast<int>(simulation.run());
+}
+
+/// Turns errors into messages and exit statuses.
+template <class Work>
+int guarded(const Ranks& ranks, const Work& work) {
   try {
-    const int threads = threadsPerRank(comm);
-    omp_set_dynamic(0);
-    omp_set_num_threads(threads);
-    PetscBool versionOnly;
-    petsc(PetscOptionsHasName(nullptr, nullptr, "-version", &versionOnly));
-    if (versionOnly) {
-      PetscPrintf(comm, "nanoweft %s\n", NANOWEFT_VERSION);
+    return work();
+  } catch (const InputError& error) {
+    return report(ranks.rank(), error.what(), 1);
+  } catch (const RunError& error) {
+    return report(ranks.rank(), error.what(), 2);
+  } catch (const Interrupted& stop) {
+    if (ranks.rank() == 0) std::printf("%s; nothing has been computed or written\n", stop.what());
+    return 3;
+  } catch (const std::bad_alloc&) {
+    return ranks.fail("there is not enough memory", 2);
+  } catch (const std::exception& error) {
+    return ranks.fail(std::string("internal error: ") + error.what(), 2);
+  }
+}
+
+void startPetsc(const Ranks& ranks, const GivenOptions& given, int argc, char** argv) {
+  keepPetscErrors();
+  // They have been read.
+  unsetenv("PETSC_OPTIONS");
+  unsetenv("PETSC_OPTIONS_YAML");
+  PetscErrorCode code = PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
+  // PETSc's handlers call what may wait for the interrupted code for ever.
+  if (code == 0) code = PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
+  if (code == 0) insertOptions(given);
+  PetscHelpPrintf = keepPetscHelp;
+  int count = std::min(argc, 1);
+  if (code == 0) code = PetscInitialize(&count, &argv, nullptr, nullptr);
+  ranks.agreeOnCall<InputError>(code, "PETSc cannot start with these options");
+}
+
+bool asksForVersion(int argc, char** argv) {
+  return std::any_of(argv + std::min(argc, 1), argv + argc, [](const std::string& word) {
+    return word == "--version" || word == "-version";
+  });
+}
+
+int runWithMpi(int argc, char** argv) {
+  const Ranks ranks;
+  return guarded(ranks, [&] {
+    GivenOptions given;
+    given.version = asksForVersion(argc, argv);
+    if (!given.version) given = readOptions(MPI_COMM_WORLD, argc, argv);
+    if (given.version) {
+      printVersions(ranks.rank());
       return 0;
     }
-    Options options;
-    Simulation simulation(comm, options, threads, std::getenv("OMP_NUM_THREADS") == nullptr);
-    if (!simulation.runnable()) return 0;
-    catchSignals();
-    return static_cast<int>(simulation.run());
-  } catch (const InputError& error) {
-    return report(rank, error.what(), 1);
-  } catch (const RunError& error) {
-    return report(rank, error.what(), 2);
-  } catch (const std::exception& error) {
-    // Not agreed among the ranks: the others may be waiting for this one.
-    std::fprintf(stderr, "nanoweft: internal error on rank %d: %s\n", rank, error.what());
-    MPI_Abort(comm, 2);
-    return 2;
-  }
+    startPetsc(ranks, given, argc, argv);
+    const int status =
+        guarded(ranks, [&] { return runWithPetsc(PETSC_COMM_WORLD, given.briefHelp); });
+    ranks.agreeOnCall<RunError>(PetscFinalize(), "PETSc cannot finish");
+    return status;
+  });
 }
 
 }  // namespace
 
 int runProgram(int argc, char** argv) {
+  secondsSinceStart();
+  catchSignals();
   int provided, rank;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  int status;
-  try {
-    agree<InputError>(MPI_COMM_WORLD, rank == 0 ? problemInArguments(argc, argv) : "");
-    keepPetscErrors();
-    if (PetscInitialize(&argc, &argv, nullptr, help) != 0) {
-      report(rank, "the options cannot be read", 1);
-      MPI_Abort(MPI_COMM_WORLD, 1);
-    }
-    status = runWithPetsc(PETSC_COMM_WORLD, rank);
-    PetscFinalize();
-  } catch (const InputError& error) {
-    status = report(rank, error.what(), 1);
-  }
+  catchCrashes(rank);
+  const int status = runWithMpi(argc, argv);
   MPI_Finalize();
   return status;
 }

@@ -1,6 +1,7 @@
 /// What a run prints: header, progress, summary.
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "nanoweft/app/simulation.hpp"
@@ -11,6 +12,9 @@
 namespace nanoweft {
 
 namespace {
+
+/// Of the work of grips and loads.
+constexpr double noticedDampingShare = 0.05;
 
 std::string duration(double seconds) {
   const long s = std::lround(seconds);
@@ -152,12 +156,31 @@ void Simulation::printSummary() const {
               "energy balance: total + damped + broken - external drifted by %.3g %s (damped %.6g, "
               "external %.6g, broken %.6g)\n",
               e.balance() - first_.balance(), units_.energy, e.damped, e.external, e.broken);
+  printDampingShare();
   if (lowestLimit_ < firstLimit_)
     PetscPrintf(comm_, "stable step: %.4g %s at the start, %.4g at the lowest\n", firstLimit_,
                 units_.time, lowestLimit_);
   if (boundaries_.tension())
     PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(),
                 strength_, static_cast<long long>(e.brokenBonds));
+}
+
+void Simulation::printDampingShare() const {
+  const double damped = energies_->damped, work = energies_->external;
+  const bool local = settings_.damping > 0;
+  if ((!local && !settings_.viscous) || !(work > 0)) return;
+  const double share = damped / work;
+  PetscPrintf(comm_, "damping took %.3g %% of the work of grips and loads\n", 100 * share);
+  const bool moved = boundaries_.tension() ||
+                     std::ranges::any_of(boundaries_.list(),
+                                         [](const Boundary& b) { return norm(b.velocity) > 0; });
+  if (local && moved && share > noticedDampingShare)
+    PetscPrintf(
+        comm_,
+        "  remark: -damping_local %g weakens every force that moves a segment, however slow "
+        "the motion; forces measured at what is moved contain that share, so measure them "
+        "with a smaller one\n",
+        settings_.damping);
 }
 
 }  // namespace nanoweft

@@ -1,8 +1,27 @@
 #include "nanoweft/app/settings.hpp"
 
+#include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
+
+namespace {
+
+std::optional<double> readWallTime(OptionSection& run) {
+  const std::string text = run.text(
+      "wall_time", "",
+      "h:mm:ss, mm:ss, days-hh:mm:ss or seconds since the program's start after which the run has "
+      "written a checkpoint and ended with status 3");
+  if (text.empty()) return std::nullopt;
+  const auto seconds = parseDuration(text);
+  if (!seconds || *seconds <= 0)
+    throw InputError("-wall_time '" + text +
+                     "': expected a time such as 12:00:00 (h:mm:ss), 30:00 (mm:ss), 1-12:00:00 "
+                     "(days-hh:mm:ss) or 1800 (s)");
+  return seconds;
+}
+
+}  // namespace
 
 const UnitSystem& readUnits(Options& options) {
   OptionSection s(options, "Run");
@@ -34,6 +53,7 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
                        "step number at which the run ends; 0: evaluate the start only", 0, most);
   r.maxTime =
       run.maybeReal("ts_max_time", "none", units.time, "time at which the run ends", nonNegative);
+  r.wallTime = readWallTime(run);
   r.fire = run.choice("relax_method", "dynamics", {"dynamics", "fire"},
                       "the way to rest: motion as it is, with what damping there is, or the "
                       "minimiser FIRE") == "fire";

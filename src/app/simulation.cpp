@@ -49,6 +49,7 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
       fibre_(readFibre(options, units_)),
       pairLaw_(readPairForce(options, units_, fibre_)),
       settings_(readRunSettings(options, units_, pairLaw_ != nullptr)),
+      wallLimit_(settings_.wallTime),
       breakage_(readBreakage(options, settings_.seed)),
       restartHeader_(options.helpWanted() ? std::nullopt
                                           : readRestart(comm, settings_.restart, units_)),
@@ -77,10 +78,7 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
   // A restart keeps the box of its checkpoint.
   if (!restartHeader_) box_ = given;
   options.refuseUnknown();
-  if (options.helpWanted()) {
-    options.printHelp(comm);
-    return;
-  }
+  if (options.helpWanted()) return;
   if (stressMonitor_.wanted() && !boundaries_.tension())
     throw InputError("-stress_monitor: there is no tension test; give -tension_rate");
   if (!settings_.maxSteps && !settings_.maxTime && settings_.relaxTolerance == 0 &&
@@ -182,6 +180,7 @@ void Simulation::build() {
   }
   firstStep_ = state_->step;
   firstTime_ = state_->time;
+  if (restartHeader_) good_.note(settings_.restart, firstStep_);
 
   domain_ = std::make_unique<Domain>(*state_, settings_.partition);
   forces_->rebuild(*state_, *domain_);
@@ -193,6 +192,7 @@ void Simulation::build() {
   for (int k = 0; k < 2 && domain_->unequal(); ++k) forces_->rebuild(*state_, *domain_);
   if (!restartHeader_ && forces_->pair() && !settings_.allowOverlap) refuseOverlap();
   chooseStep();
+  stopBeforeOutputs();
   const std::int64_t restartStep = restartHeader_ ? state_->step : -1;
   energyMonitor_.open(comm_, restartStep, settings_.monitorInterval);
   stressMonitor_.open(comm_, restartStep, settings_.monitorInterval);
@@ -241,20 +241,39 @@ bool Simulation::atEnd() const {
 }
 
 Ending Simulation::run() {
+  try {
+    return runToEnd();
+  } catch (const RunError& failure) {
+    throw RunError(std::string(failure.what()) + "; " + good_.sentence());
+  }
+}
+
+void Simulation::stopBeforeOutputs() const {
+  int asked = stopRequested();
+  MPI_Allreduce(MPI_IN_PLACE, &asked, 1, MPI_INT, MPI_MAX, comm_);
+  if (asked) throw Interrupted("stopped by a signal before the first step");
+}
+
+Ending Simulation::stopEarly() {
+  // Without a name given, one that takes no other file's place.
+  const std::string file =
+      settings_.checkpointFile.empty()
+          ? format("checkpoint_%010lld.h5", static_cast<long long>(state_->step))
+          : settings_.checkpointFile;
+  if (lastCheckpoint_ != state_->step) writeCheckpoint(file);
+  const std::string reason =
+      timeOver_ ? "stopped: the wall time of " + shownDuration(wallLimit_.limit()) + " is over"
+                : "stopped by a signal";
+  PetscPrintf(comm_, "%s at step %lld; go on with -restart %s\n", reason.c_str(),
+              static_cast<long long>(state_->step), file.c_str());
+  return Ending::stopped;
+}
+
+Ending Simulation::runToEnd() {
   printHeader();
   begin();
-  while (!atEnd() && !converged_ && !balanced_ && !stopAsked_) step();
-  if (stopAsked_) {
-    // Without a name given, one that takes no other file's place.
-    const std::string file =
-        settings_.checkpointFile.empty()
-            ? format("checkpoint_%010lld.h5", static_cast<long long>(state_->step))
-            : settings_.checkpointFile;
-    writeCheckpoint(file);
-    PetscPrintf(comm_, "stopped by a signal at step %lld; go on with -restart %s\n",
-                static_cast<long long>(state_->step), file.c_str());
-    return Ending::stopped;
-  }
+  while (!atEnd() && !converged_ && !balanced_ && !stopAsked_ && !timeOver_) step();
+  if (stopAsked_ || timeOver_) return stopEarly();
   if (lastRecorded_ != state_->step) record();
   if (!settings_.checkpointFile.empty() && lastCheckpoint_ != state_->step)
     writeCheckpoint(settings_.checkpointFile);
@@ -297,6 +316,7 @@ void Simulation::begin() {
   }
   checkBalance();
   firstResolved_ = forces_->pairsResolved();
+  wallLimit_.expectCheckpoint(static_cast<double>(state_->total()) * secondsPerSegmentWritten);
   wallStart_ = lastProgress_ = progressWall_ = MPI_Wtime();
   progressStep_ = state_->step;
 }
@@ -322,8 +342,9 @@ void Simulation::step() {
   const bool relaxCheck = settings_.relaxTolerance > 0 && due(settings_.relaxInterval);
   const bool checkpoint = !settings_.checkpointFile.empty() && due(settings_.checkpointInterval);
   ForceRequest request;
-  request.energies = monitored || relaxCheck || checkpoint || (notices & (progress | stop)) ||
-                     due(energyCheckInterval) || atEnd();
+  request.energies = monitored || relaxCheck || checkpoint ||
+                     (notices & (progress | stop | wallTime)) || due(energyCheckInterval) ||
+                     atEnd();
   request.complete = false;
   outcome_ = forces_->evaluate(*state_, domain_->halo(), request);
   accounts_.broken.merge(outcome_.released);
@@ -363,6 +384,7 @@ void Simulation::step() {
   if (settings_.limitInterval > 0 && due(settings_.limitInterval)) followLimit();
   if (checkpoint) writeCheckpoint(settings_.checkpointFile);
   stopAsked_ = notices & stop;
+  timeOver_ = notices & wallTime;
 }
 
 bool Simulation::endIsSeen(const ForceRequest& request) const {
@@ -395,6 +417,7 @@ int Simulation::agreeOn(const DriftReport& drift) {
   if (state_->rank() == 0 && settings_.progressSeconds > 0 &&
       MPI_Wtime() - lastProgress_ > settings_.progressSeconds)
     notices |= progress;
+  if (state_->rank() == 0 && wallLimit_.over(secondsSinceStart())) notices |= wallTime;
   if (state_->ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &notices, 1, MPI_INT, MPI_BOR, comm_);
   releasedPairs_ = false;
   return notices;
@@ -454,20 +477,11 @@ void Simulation::restoreAccounts() {
 
 void Simulation::writeCheckpoint(const std::string& file) {
   const LogScope log(fileEvent_);
-  try {
-    writeState(file, *state_, units_, runRecord("checkpoint"));
-  } catch (const RunError& failure) {
-    throw RunError(std::string(failure.what()) + "; " + lastGoodCheckpoint());
-  }
+  const double begin = secondsSinceStart();
+  writeState(file, *state_, units_, runRecord("checkpoint"));
+  wallLimit_.checkpointTook(secondsSinceStart() - begin);
   lastCheckpoint_ = state_->step;
-}
-
-std::string Simulation::lastGoodCheckpoint() const {
-  if (lastCheckpoint_ >= 0)
-    return format("the checkpoint %s of step %lld is good", settings_.checkpointFile.c_str(),
-                  static_cast<long long>(lastCheckpoint_));
-  return restartHeader_ ? "the checkpoint " + settings_.restart + " is good"
-                        : "there is no checkpoint yet";
+  good_.note(file, state_->step);
 }
 
 }  // namespace nanoweft

@@ -103,12 +103,12 @@ void Simulation::reportInstability(const std::string& sign) {
   }
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_);
   MPI_Bcast(segment, 2, MPI_LONG_LONG, worst.rank, comm_);
-  throw RunError(format(
-      "unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s%s "
-      "(stable limit when last looked at: %.4g); "
-      "take a smaller -ts_dt or more damping; %s",
-      static_cast<long long>(state_->step), segment[0], segment[1], worst.distance, units_.length,
-      verlet_->dt(), units_.time, sign.c_str(), presentLimit_, lastGoodCheckpoint().c_str()));
+  throw RunError(
+      format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s%s "
+             "(stable limit when last looked at: %.4g); "
+             "take a smaller -ts_dt or more damping",
+             static_cast<long long>(state_->step), segment[0], segment[1], worst.distance,
+             units_.length, verlet_->dt(), units_.time, sign.c_str(), presentLimit_));
 }
 
 }  // namespace nanoweft

@@ -22,11 +22,15 @@ void keepPetscErrors() {
   PetscPushErrorHandler(remember, nullptr);
 }
 
-void petsc(PetscErrorCode code, std::source_location where) {
-  if (code == 0) return;
+std::string petscMessage(PetscErrorCode code) {
   std::string text = firstMessage;
   while (!text.empty() && text.back() == '\n') text.pop_back();
-  if (text.empty()) text = "PETSc error " + std::to_string(static_cast<int>(code));
+  return text.empty() ? "PETSc error " + std::to_string(static_cast<int>(code)) : text;
+}
+
+void petsc(PetscErrorCode code, std::source_location where) {
+  if (code == 0) return;
+  const std::string text = petscMessage(code);
   const char* file = std::strrchr(where.file_name(), '/');
   throw PetscFailure(text + " [" + (file ? file + 1 : where.file_name()) + ":" +
                      std::to_string(where.line()) + "]");

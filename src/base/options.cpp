@@ -227,14 +227,14 @@ void OptionSection::document(const std::string& name, const char* shown, const c
 std::optional<std::string> OptionSection::raw(const std::string& name, const std::string& shown,
                                               const std::string& unit, const std::string& help) {
   document(name, shown.c_str(), unit.c_str(), help.c_str());
-  char buffer[PETSC_MAX_PATH_LEN] = "";
+  // PetscOptionsGetString would cut a long value.
+  const char* value = nullptr;
   PetscBool found;
-  petsc(
-      PetscOptionsGetString(nullptr, nullptr, ("-" + name).c_str(), buffer, sizeof buffer, &found));
+  petsc(PetscOptionsFindPair(nullptr, nullptr, ("-" + name).c_str(), &value, &found));
   if (!found) return std::nullopt;
   if (!active_)
     throw InputError(format("-%s is not used by this run: %s", name.c_str(), reason_.c_str()));
-  return std::string(buffer);
+  return std::string(value ? value : "");
 }
 
 double OptionSection::real(const std::string& name, double fallback, const char* unit,

@@ -22,9 +22,10 @@ struct RunSettings {
   double energyAlarm = 0.25;   ///< 0: off
   std::optional<long> maxSteps;
   std::optional<double> maxTime;
-  bool fire = false;          ///< relax by FIRE
-  double relaxTolerance = 0;  ///< 0: does not end the run
-  double relaxForce = 0;      ///< 0: does not end the run
+  std::optional<double> wallTime;  ///< seconds since the program's start
+  bool fire = false;               ///< relax by FIRE
+  double relaxTolerance = 0;       ///< 0: does not end the run
+  double relaxForce = 0;           ///< 0: does not end the run
   long relaxInterval = 5000;
 
   double damping = 0;

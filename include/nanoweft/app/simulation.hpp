@@ -4,7 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "nanoweft/app/last_checkpoint.hpp"
 #include "nanoweft/app/settings.hpp"
+#include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
@@ -35,12 +37,22 @@ class Simulation {
  private:
   /// With fewer segments a thread waits longer for the others than it works.
   static constexpr std::int64_t segmentsPerThread = 1500;
+  /// A guess on the safe side until a checkpoint has been timed: 200 bytes at 50 MB/s.
+  static constexpr double secondsPerSegmentWritten = 4e-6;
   /// Steps between looks at the energy balance.
   static constexpr long energyCheckInterval = 100;
   /// Steps between looks at the forces that nothing balances.
   static constexpr long balanceCheckInterval = 10;
   /// What ranks tell each other in each step, as bits.
-  enum Notice { stale = 1, unstable = 2, stop = 4, progress = 8, broke = 16, released = 32 };
+  enum Notice {
+    stale = 1,
+    unstable = 2,
+    stop = 4,
+    progress = 8,
+    broke = 16,
+    released = 32,
+    wallTime = 64
+  };
 
   /// Throws InputError when something keeps moving.
   void requireRest() const;
@@ -48,6 +60,11 @@ class Simulation {
   void build();
   void perturb();
   void refuseOverlap() const;
+  /// Throws Interrupted when a rank has been asked to stop: nothing is lost yet.
+  void stopBeforeOutputs() const;
+  Ending runToEnd();
+  /// Writes a checkpoint and says how to go on.
+  Ending stopEarly();
   void begin();
   void step();
   /// Does anything need the velocities and forces of this step's end? (Energies, checkpoints, ends
@@ -68,7 +85,6 @@ class Simulation {
   RunRecord runRecord(const char* purpose) const;
   void restoreAccounts();
   void writeCheckpoint(const std::string& file);
-  std::string lastGoodCheckpoint() const;
 
   double defaultStep();
   void chooseStep();
@@ -81,6 +97,7 @@ class Simulation {
   void printHeader() const;
   void printProgress();
   void printSummary() const;
+  void printDampingShare() const;
   double strain() const;
 
   MPI_Comm comm_;
@@ -90,6 +107,7 @@ class Simulation {
   Fibre fibre_;
   std::unique_ptr<PairForce> pairLaw_;
   RunSettings settings_;
+  WallLimit wallLimit_;
   std::optional<BreakageLaw> breakage_;
   std::optional<StateHeader> restartHeader_;
   std::unique_ptr<Scene> scene_;
@@ -108,10 +126,12 @@ class Simulation {
   ForceOutcome outcome_;
   std::optional<Energies> energies_;  ///< of the present step, when computed
   std::vector<std::int64_t> pendingBreaks_;
-  bool releasedPairs_ = false, stopAsked_ = false, converged_ = false, balanced_ = false;
+  bool releasedPairs_ = false, stopAsked_ = false, timeOver_ = false, converged_ = false,
+       balanced_ = false;
   double lastElastic_ = -1;  ///< at the last check of convergence
   std::int64_t lastRecorded_ = -1, lastCheckpoint_ = -1, firstStep_ = 0;
   double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0;
+  LastCheckpoint good_;
   std::optional<double> defaultStep_;  ///< when the state chose it
   bool limitWarned_ = false;
   Energies first_;        ///< of the first state

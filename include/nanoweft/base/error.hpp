@@ -24,6 +24,9 @@ struct PetscFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What PETSc said about its last error.
+std::string petscMessage(PetscErrorCode code);
+
 /// Turns a PETSc error code into an exception.
 void petsc(PetscErrorCode code, std::source_location where = std::source_location::current());
 
