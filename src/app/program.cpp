@@ -8,6 +8,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <new>
 #include <thread>
 
@@ -180,7 +181,20 @@ int guarded(const Ranks& ranks, const Work& work) {
   }
 }
 
+/// PETSc crashes when it cannot write its history.
+std::string problemOfHistory(const GivenOptions& given) {
+  for (const GivenOption& o : given.list) {
+    if (o.name != "-history") continue;
+    const char* home = std::getenv("HOME");
+    const std::string file =
+        o.value && !o.value->empty() ? *o.value : std::string(home ? home : "") + "/.petschistory";
+    if (!std::ofstream(file, std::ios::app)) return "-history " + file + ": cannot be written";
+  }
+  return "";
+}
+
 void startPetsc(const Ranks& ranks, const GivenOptions& given, int argc, char** argv) {
+  agree<InputError>(MPI_COMM_WORLD, ranks.rank() == 0 ? problemOfHistory(given) : "");
   keepPetscErrors();
   // They have been read.
   unsetenv("PETSC_OPTIONS");

@@ -18,6 +18,7 @@ volatile std::sig_atomic_t requested = 0;
 /// Seconds of the monotonic clock at the first SIGINT or SIGTERM; 0: none came.
 volatile std::sig_atomic_t firstInterrupt = 0;
 int crashRank = 0;
+bool terminal = false;  ///< somebody may be looking at standard error
 
 std::sig_atomic_t seconds() {
   timespec now{};
@@ -32,14 +33,21 @@ void endBy(int signal) {
   raise(signal);
 }
 
+void tellHowToEnd() {
+  constexpr char text[] =
+      "nanoweft: a checkpoint is written at the end of this step; once more ends at once\n";
+  [[maybe_unused]] const auto ignored = write(STDERR_FILENO, text, sizeof text - 1);
+}
+
 void onStop(int signal) {
   const int error = errno;
   requested = 1;
   if (signal == SIGINT || signal == SIGTERM) {
     // Batch systems may send the same SIGTERM twice within moments, to a job and to its steps.
-    if (firstInterrupt == 0)
+    if (firstInterrupt == 0) {
       firstInterrupt = seconds();
-    else if (signal == SIGINT || seconds() > firstInterrupt + 1)
+      if (signal == SIGINT && terminal) tellHowToEnd();
+    } else if (signal == SIGINT || seconds() > firstInterrupt + 1)
       endBy(signal);
   }
   errno = error;
@@ -107,6 +115,7 @@ void handle(int signal, void (*handler)(int), int flags) {
 }  // namespace
 
 void catchSignals() {
+  terminal = isatty(STDERR_FILENO) == 1;
   for (int signal : {SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU}) handle(signal, onStop, SA_RESTART);
   for (int signal : {SIGINT, SIGHUP})
     if (!ignored(signal)) handle(signal, onStop, SA_RESTART);

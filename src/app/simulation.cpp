@@ -192,7 +192,6 @@ void Simulation::build() {
   for (int k = 0; k < 2 && domain_->unequal(); ++k) forces_->rebuild(*state_, *domain_);
   if (!restartHeader_ && forces_->pair() && !settings_.allowOverlap) refuseOverlap();
   chooseStep();
-  stopBeforeOutputs();
   const std::int64_t restartStep = restartHeader_ ? state_->step : -1;
   energyMonitor_.open(comm_, restartStep, settings_.monitorInterval);
   stressMonitor_.open(comm_, restartStep, settings_.monitorInterval);
@@ -246,12 +245,6 @@ Ending Simulation::run() {
   } catch (const RunError& failure) {
     throw RunError(std::string(failure.what()) + "; " + good_.sentence());
   }
-}
-
-void Simulation::stopBeforeOutputs() const {
-  int asked = stopRequested();
-  MPI_Allreduce(MPI_IN_PLACE, &asked, 1, MPI_INT, MPI_MAX, comm_);
-  if (asked) throw Interrupted("stopped by a signal before the first step");
 }
 
 Ending Simulation::stopEarly() {

@@ -60,8 +60,6 @@ class Simulation {
   void build();
   void perturb();
   void refuseOverlap() const;
-  /// Throws Interrupted when a rank has been asked to stop: nothing is lost yet.
-  void stopBeforeOutputs() const;
   Ending runToEnd();
   /// Writes a checkpoint and says how to go on.
   Ending stopEarly();
