@@ -26,7 +26,8 @@ def _outputs(scene: Scene) -> list[str]:
 def _start_options(scene: Scene, source: str) -> list[str]:
     """The options of a run that starts from the file x.h5, and of what it then does."""
     if source == "c.h5":
-        return [*scene.physics(), *_outputs(scene), "-restart", "x.h5", *scene.end(scene.steps + 12)]
+        return [*scene.physics(), *_outputs(scene), "-restart", "x.h5",
+                *scene.end(scene.steps + 12)]
     # Boundary conditions and tension go with the scene; what makes the geometry does not.
     return ["-scene", "file", "-scene_file", "x.h5", "-progress_interval", "0", *_outputs(scene),
             *scene.end(6)]

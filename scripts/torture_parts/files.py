@@ -49,7 +49,8 @@ def rows_of_table(path: pathlib.Path) -> tuple[list[str], list[list[float]], boo
     lines = [line for line in lines if not line.startswith("#")]
     if not lines:
         return [], [], torn
-    return lines[0].split(","), [[float(cell) for cell in line.split(",")] for line in lines[1:]], torn
+    rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
+    return lines[0].split(","), rows, torn
 
 
 def problem_of_table(path: pathlib.Path, interval: int, through: int) -> str | None:

@@ -21,7 +21,8 @@ def layout_trial(trial: Trial) -> None:
     drawn = random.Random(f"{trial.setting.seed}/bytes/{number}")
     scene = draw(drawn, kinds_offered(trial.setting))
     whole = reference(trial.setting, f"bytes-{number}", scene)
-    rng, restart = trial.random, []
+    rng = trial.random
+    restart: list[str] = []
     skin = ["-pair_skin", f"{rng.uniform(0.5, 20):.3g}"] if rng.random() < 0.4 else []
     for steps in [*_pieces(scene, rng), scene.steps]:
         layout = ["-partition", rng.choice(["dmda", "metis", "auto"]), *skin]

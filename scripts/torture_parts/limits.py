@@ -1,4 +1,4 @@
-"""Full disks, limits, missing and odd files, fewer threads than asked for: the true reason, soon."""
+"""Full disks, limits, missing and odd files, fewer threads: the true reason, soon."""
 
 import os
 import pathlib

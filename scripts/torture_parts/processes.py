@@ -21,7 +21,9 @@ def environment() -> dict[str, str]:
     found = dict(line.split("=", 1) for line in text.split("\0") if "=" in line)
     # A run of one rank without mpirun would start a daemon of Open MPI's of its own.
     return {**found, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1",
-            "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader"}
+            "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader",
+            # mpirun otherwise sleeps for two seconds after each status that is not 0.
+            "OMPI_MCA_odls_base_sigkill_timeout": "0"}
 
 
 @dataclass
@@ -46,12 +48,12 @@ class Command:
     def settings(self) -> dict[str, str]:
         return {"OMP_NUM_THREADS": str(self.threads), **self.variables}
 
-    def shell(self, binary: str) -> str:
-        """The same for a person's shell."""
+    def shell(self, binary: str, stdin: str) -> str:
+        """The same for a person's shell; `stdin` is the file that holds what was piped in."""
         settings = [f"{name}={shlex.quote(value)}" for name, value in self.settings().items()]
         line = " ".join(settings + [shlex.join(self.words(binary))])
         if self.stdin is not None:
-            line = f"printf %b {shlex.quote(repr(self.stdin)[2:-1])} | {line}"
+            line = f"cat {stdin} | {line}"
         return line
 
 
@@ -134,6 +136,7 @@ class Running:
                 start_new_session=True)
         if command.stdin is not None and self.process.stdin:
             try:
+                (prints / "stdin.txt").write_bytes(command.stdin)
                 self.process.stdin.write(command.stdin)
                 self.process.stdin.close()
             except BrokenPipeError:

@@ -47,6 +47,10 @@ def _number(rng: random.Random, low: float, high: float) -> str:
     return f"{rng.uniform(low, high):.4g}"
 
 
+def _one_of(rng: random.Random, *groups: list[str]) -> list[str]:
+    return rng.choice(groups)
+
+
 def _weave(rng: random.Random) -> list[str]:
     return ["-weave_fibres", f"{rng.randint(2, 4)},{rng.randint(2, 4)}", "-weave_segments",
             str(rng.randint(12, 28)), "-scene_perturb", _number(rng, 0, 0.2)]
@@ -58,13 +62,14 @@ def _damped(rng: random.Random) -> list[str]:
 
 def _periodic(rng: random.Random) -> list[str]:
     return ["-weave_fibres", "6,6", "-weave_segments", "36", "-weave_periodic", "-scene_perturb",
-            _number(rng, 0, 0.3), *rng.choice([[], ["-pair_far_points", "1"], ["-pair_points", "5"]])]
+            _number(rng, 0, 0.3), *_one_of(rng, [], ["-pair_far_points", "1"],
+                                          ["-pair_points", "5"])]
 
 
 def _fibre(rng: random.Random) -> list[str]:
     return ["-scene", "fibre", "-fibre_segments", str(rng.randint(2, 60)), "-fibre_bend",
             _number(rng, 0, 1), "-fibre_twist", _number(rng, 0, 0.5), "-fibre_strain",
-            _number(rng, 0, 0.008), *rng.choice([[], ["-pair", "none"]])]
+            _number(rng, 0, 0.008), *_one_of(rng, [], ["-pair", "none"])]
 
 
 def _closed(rng: random.Random) -> list[str]:
@@ -96,7 +101,7 @@ def _tension(rng: random.Random) -> list[str]:
             "-tension_rate", _number(rng, 2e-5, 8e-5), "-tension_ramp", "500", "-tension_grip",
             "40", "-tension_max_strain", "0.4", "-break_strain_mean", _number(rng, 0.05, 0.12),
             "-break_strain_std", "0.02", "-break_seed", str(rng.randint(1, 99)), "-ts_dt", "10",
-            *rng.choice([[], ["-damping_viscous", "5"], ["-break_per", "fibre"]])]
+            *_one_of(rng, [], ["-damping_viscous", "5"], ["-break_per", "fibre"])]
 
 
 def _single(rng: random.Random) -> list[str]:

@@ -33,7 +33,7 @@ class Setting:
                 trial = Trial(self, "references", 0, key)
                 make(trial)
                 kept.made, kept.failures = True, trial.failures
-                trial.prints.exists() and shutil.rmtree(trial.prints)
+                shutil.rmtree(trial.prints, ignore_errors=True)
         if kept.failures:
             raise ReferenceFailed(f"{key}: {kept.failures[0]}")
         return kept.folder
@@ -69,7 +69,8 @@ class Trial:
     def start(self, command: Command) -> Running:
         self._runs += 1
         prints = self.prints / str(self._runs)
-        self.story.append(command.shell(self.setting.binary))
+        self.story.append(command.shell(self.setting.binary,
+                                        f"prints/{self._runs}/stdin.txt"))
         return Running(self.setting.binary, command, self.folder, prints, self.setting.base)
 
     def run(self, command: Command, timeout: float = TIMEOUT) -> Outcome:
