@@ -73,6 +73,8 @@ void Simulation::printHeader() const {
   if (fire_)
     PetscPrintf(comm_, "  relaxation by FIRE, step at most %.4g %s; time is no physical time\n",
                 fire_->longest(), units_.time);
+  for (const std::string& warning : startWarnings_)
+    PetscPrintf(comm_, "  warning: %s\n", warning.c_str());
   if (restartHeader_)
     PetscPrintf(comm_, "  restart from %s at step %lld\n", settings_.restart.c_str(),
                 static_cast<long long>(state_->step));

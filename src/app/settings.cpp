@@ -72,6 +72,9 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   r.perturb =
       run.real("scene_perturb", 0.0, units.length,
                "standard deviation of random displacements of the starting positions", nonNegative);
+  r.startUnchecked =
+      run.flag("start_unchecked", false,
+               "start even though bonds are so far from rest that it can hardly be meant");
 
   const std::string fireNeedsNone = "-relax_method fire brings its own damping";
   OptionSection damping(options, "Damping", !r.fire, fireNeedsNone);

@@ -12,6 +12,7 @@
 #include "nanoweft/motion/residual.hpp"
 #include "nanoweft/record/gage_stress.hpp"
 #include "nanoweft/record/segment_fields.hpp"
+#include "nanoweft/scene/start_check.hpp"
 #include "nanoweft/state/output_target.hpp"
 
 namespace nanoweft {
@@ -152,7 +153,6 @@ void Simulation::build() {
   force.skin = settings_.skin;
   force.threads = threads_;
   forces_ = std::make_unique<ForceField>(std::move(force), box_);
-  requireWideBox(box_, forces_->pair() ? forces_->listRange() : 1.5 * fibre_.length, units_.length);
 
   auto state = std::make_unique<State>(comm_, box_, extras);
   if (restartHeader_)
@@ -160,6 +160,10 @@ void Simulation::build() {
   else
     scene_->fill(*state);
   state_ = std::move(state);
+  requireWideBox(box_, 1.5 * fibre_.length, units_.length);
+  // Before what else such a start would meet, so that the cause that is named is the cause.
+  if (!restartHeader_) checkStart();
+  if (forces_->pair()) requireWideBox(box_, forces_->listRange(), units_.length);
   if (threadsAtMost_) {
     const std::int64_t busy = state_->total() / state_->ranks() / segmentsPerThread;
     threads_ = static_cast<int>(std::clamp<std::int64_t>(busy, 1, threads_));
@@ -197,6 +201,23 @@ void Simulation::build() {
   stressMonitor_.open(comm_, restartStep, settings_.monitorInterval);
   if (!settings_.snapshotFile.empty())
     snapshots_.emplace(comm_, settings_.snapshotFile, restartStep);
+}
+
+void Simulation::checkStart() {
+  const StateHeader* file = scene_->header();
+  const Box own = scene_->box();
+  bool evolved = false;
+  if (file)
+    if (const auto it = file->run.reals.find("fibre"); it != file->run.reals.end())
+      evolved = it->second == fibreFingerprint(fibre_) && own.lower == box_.lower &&
+                own.upper == box_.upper && own.periodic == box_.periodic;
+  const bool refuse = !evaluatesOnly() && !settings_.startUnchecked;
+  for (const StartFinding& finding :
+       lookAtStart(*state_, {units_, fibre_, own, scene_->asked(), file != nullptr, evolved})) {
+    if (finding.refused && refuse)
+      throw InputError("the start cannot be meant: " + finding.text + " (or -start_unchecked)");
+    startWarnings_.push_back("at the start, " + finding.text);
+  }
 }
 
 void Simulation::perturb() {
@@ -296,6 +317,7 @@ void Simulation::begin() {
     throw RunError(
         "the energy of the first state is not a finite number: check the fibre's parameters and "
         "the geometry");
+  watchContacts();
   if (restartHeader_) {
     lastRecorded_ = state_->step;
   } else {
@@ -361,6 +383,7 @@ void Simulation::step() {
     energies_ = sumEnergies(*state_, *forces_, outcome_, accounts_);
     watchEnergy();
   }
+  if (due(contactCheckInterval)) watchContacts();
   if (monitored) record();
   if (relaxCheck) {
     converged_ = lastElastic_ >= 0 && std::abs(energies_->elastic() - lastElastic_) <=

@@ -5,6 +5,7 @@
 
 #include "nanoweft/app/simulation.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/force/overlap.hpp"
 #include "nanoweft/motion/step_limit.hpp"
 
 namespace nanoweft {
@@ -60,6 +61,22 @@ void Simulation::followLimit() {
                 static_cast<long long>(state_->step), verlet_->dt(), presentLimit_, units_.time);
     limitWarned_ = true;
   }
+}
+
+void Simulation::watchContacts() {
+  if (contactWarned_ || !forces_->pair()) return;
+  // Walls of tubes meet at 2 rf; a tenth of a radius is more than they, or a law's points, can
+  // give.
+  constexpr double deepest = 0.1;
+  const double radius = fibre_.radius;
+  const Overlap o = deepestOverlap(*state_, *forces_, (2.0 - deepest) * radius);
+  if (std::isinf(o.distance)) return;
+  contactWarned_ = true;
+  PetscPrintf(comm_,
+              "warning: step %lld: fibre %lld segment %d and fibre %lld segment %d overlap by %.0f "
+              "%% of a radius; what the pair law says is doubtful there\n",
+              static_cast<long long>(state_->step), static_cast<long long>(o.fibre[0]), o.index[0],
+              static_cast<long long>(o.fibre[1]), o.index[1], 100.0 * (2.0 - o.distance / radius));
 }
 
 void Simulation::watchEnergy() {

@@ -32,11 +32,17 @@ class FibreScene final : public Scene {
     }
     return box;
   }
+  StartRequest asked() const override {
+    const int n = bonds();
+    return {p_.strain, p_.bend / n, p_.twist / n};
+  }
   void fill(State& state) const override {
     fillFibres(state, 1, p_.segments, [&](std::int64_t) { return geometry_; });
   }
 
  private:
+  int bonds() const { return p_.closed ? p_.segments : std::max(1, p_.segments - 1); }
+
   FibreGeometry make() const {
     const double size = norm(p_.direction);
     const Vec3d t = (1.0 / size) * p_.direction;
@@ -45,8 +51,7 @@ class FibreScene final : public Scene {
     const Vec3d across = hint - dot(hint, t) * t;
     const Vec3d up = (1.0 / norm(across)) * across;
     const Vec3d side = cross(up, t);
-    const int bonds = p_.closed ? p_.segments : std::max(1, p_.segments - 1);
-    const double turn = p_.bend / bonds, roll = p_.twist / bonds;
+    const double turn = p_.bend / bonds(), roll = p_.twist / bonds();
     const double chord = length_ * (1.0 + p_.strain);
     FibreGeometry g;
     g.closed = p_.closed;

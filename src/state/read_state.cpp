@@ -122,6 +122,35 @@ Chains findChains(MPI_Comm comm, int rank, int ranks, std::int64_t total, const 
   return chains;
 }
 
+/// Is /state/fibre_closed a mask of True and False instead? (h5py writes those as an enumeration.)
+bool isMask(hid_t segments) {
+  h5::Handle set(H5Dopen2(segments, rows::fibreClosed.name, H5P_DEFAULT), H5Dclose);
+  h5::Handle type(H5Dget_type(set), H5Tclose);
+  return H5Tget_class(type) == H5T_ENUM;
+}
+
+/// What is wrong with the sorted ids of the closed fibres, or nothing.
+std::string closedProblem(const std::vector<std::int64_t>& closed, bool mask) {
+  const std::string wanted = "; fibre_closed lists the ids of the closed fibres";
+  if (mask) return "/state/fibre_closed is a mask of True and False" + wanted;
+  const auto twice = std::ranges::adjacent_find(closed);
+  if (twice == closed.end()) return "";
+  // Twice 0 or 1 and nothing else.
+  if (closed.front() >= 0 && closed.back() <= 1)
+    return "/state/fibre_closed looks like a mask of 0 and 1" + wanted;
+  return format("/state/fibre_closed names the fibre %lld twice", static_cast<long long>(*twice));
+}
+
+/// Images count along directions that are periodic. A segment of a box that has been opened since
+/// lies where its fibre runs on without a jump, which may be outside.
+void settleImages(const Box& own, const Box& box, double* x, std::int32_t* image) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (box.periodic[d]) continue;
+    if (own.periodic[d]) x[d] += image[d] * own.length(static_cast<int>(d));
+    image[d] = 0;
+  }
+}
+
 /// The rows of one rank as they stand in the file.
 struct RawRows {
   std::vector<double> position, orientation, velocity, angular, viscous;
@@ -146,6 +175,8 @@ struct RawRows {
     readRows(file, rows::fibreClosed,
              RowBlock(h5::inspect(file.segments(), rows::fibreClosed).rows, 0, 1), closed);
     std::ranges::sort(closed);
+    const std::string problem = closedProblem(closed, isMask(file.segments()));
+    if (!problem.empty()) file.refuse(problem);
   }
 };
 
@@ -232,9 +263,6 @@ std::string problemOfClosed(MPI_Comm comm, const RawRows& raw, const Chains& cha
   MPI_Allreduce(MPI_IN_PLACE, length.data(), static_cast<int>(length.size()), MPI_INT64_T, MPI_MAX,
                 comm);
   for (std::size_t k = 0; k < length.size(); ++k) {
-    if (k > 0 && raw.closed[k] == raw.closed[k - 1]) {
-      if (length[k] == 0) length[k] = length[k - 1];
-    }
     const auto fibre = static_cast<long long>(raw.closed[k]);
     if (length[k] == 0)
       return format("fibre_closed names the fibre %lld, which it does not have", fibre);
@@ -246,7 +274,8 @@ std::string problemOfClosed(MPI_Comm comm, const RawRows& raw, const Chains& cha
   return "";
 }
 
-void fill(State& state, const RawRows& raw, const Chains& chains, const RowBlock& block) {
+void fill(State& state, const Box& own, const RawRows& raw, const Chains& chains,
+          const RowBlock& block) {
   for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
     const int i = static_cast<int>(k);
     state.row[k] = block.begin + i;
@@ -270,6 +299,7 @@ void fill(State& state, const RawRows& raw, const Chains& chains, const RowBlock
     copy(raw.gap, state.gap, 4);
     if (std::ranges::binary_search(raw.closed, raw.fibre[k])) state.bond[k] |= fibreClosed;
     if (!raw.broken.empty() && raw.broken[k]) state.bond[k] |= nextBroken;
+    settleImages(own, state.box, state.pose + 8 * k, state.image + 3 * k);
     state.box.wrap(state.pose + 8 * k, state.image + 3 * k);
   }
 }
@@ -323,7 +353,7 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
       findChains(comm, state.rank(), state.ranks(), header.rows, block, raw->index);
   agreeOn(problemOfClosed(comm, *raw, chains));
   state.addOwned(static_cast<int>(block.count));
-  fill(state, *raw, chains, block);
+  fill(state, header.box, *raw, chains, block);
   state.countTotal();
   state.step = header.step;
   state.time = header.time;

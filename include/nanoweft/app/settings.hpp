@@ -35,6 +35,7 @@ struct RunSettings {
   PartitionSettings partition;
   std::uint64_t seed = 1;
   double perturb = 0;
+  bool startUnchecked = false;  ///< bonds far from rest do not end the run
 
   long monitorInterval = 100;
   double progressSeconds = 5;

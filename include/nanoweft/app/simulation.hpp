@@ -41,6 +41,8 @@ class Simulation {
   static constexpr double secondsPerSegmentWritten = 4e-6;
   /// Steps between looks at the energy balance.
   static constexpr long energyCheckInterval = 100;
+  /// Steps between looks at the depth of contacts.
+  static constexpr long contactCheckInterval = 100;
   /// Steps between looks at the forces that nothing balances.
   static constexpr long balanceCheckInterval = 10;
   /// What ranks tell each other in each step, as bits.
@@ -58,6 +60,8 @@ class Simulation {
   void requireRest() const;
   void checkOutputs() const;
   void build();
+  /// Refuses a start whose bonds are far from rest, or keeps a warning for the header.
+  void checkStart();
   void perturb();
   void refuseOverlap() const;
   Ending runToEnd();
@@ -88,6 +92,8 @@ class Simulation {
   void chooseStep();
   /// Estimates the stable step anew and warns once when the run's is beyond it.
   void followLimit();
+  /// Warns once when fibres have run into each other.
+  void watchContacts();
   /// Ends a run whose energy grows.
   void watchEnergy();
   [[noreturn]] void reportInstability(const std::string& sign);
@@ -131,7 +137,8 @@ class Simulation {
   double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0;
   LastCheckpoint good_;
   std::optional<double> defaultStep_;  ///< when the state chose it
-  bool limitWarned_ = false;
+  bool limitWarned_ = false, contactWarned_ = false;
+  std::vector<std::string> startWarnings_;
   Energies first_;        ///< of the first state
   double available_ = 0;  ///< energy that there was to turn into motion, at its most
   std::int64_t firstResolved_ = 0;

@@ -29,6 +29,11 @@ struct FibreGeometry {
   bool closed = false;
 };
 
+/// How far from rest the options want each bond to be.
+struct StartRequest {
+  double strain = 0, bend = 0, twist = 0;  ///< angles in radians
+};
+
 class Scene {
  public:
   virtual ~Scene() = default;
@@ -36,6 +41,7 @@ class Scene {
   virtual Box box() const = 0;
   /// Appends the segments to the empty state, a share on each rank, with rows, chains and all.
   virtual void fill(State& state) const = 0;
+  virtual StartRequest asked() const { return {}; }
   /// The file that the state comes from, where it comes from one.
   virtual const StateHeader* header() const { return nullptr; }
   virtual std::string file() const { return ""; }
