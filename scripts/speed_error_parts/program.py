@@ -48,6 +48,13 @@ def read_state(file):
     return state
 
 
+def read_table(file):
+    """A table of the program's, by column."""
+    with open(file) as lines:
+        # genfromtxt would take names from a comment.
+        return np.genfromtxt((line for line in lines if not line.startswith("#")), delimiter=",", names=True)
+
+
 def kept(method):
     """Each result is computed once, by whichever thread asks first."""
     results, lock = {}, threading.Lock()
@@ -158,7 +165,7 @@ class Program:
         """The energy table, what was printed, the final state."""
         file = self.folder / f"energy{next(self.count)}.csv"
         state, printed = self.final(dict(options, energy_monitor=f"ascii:{file}"))
-        rows = np.genfromtxt(file, delimiter=",", names=True)
+        rows = read_table(file)
         file.unlink()
         return rows, printed, state
 

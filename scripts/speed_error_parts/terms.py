@@ -4,6 +4,7 @@ import numpy as np
 
 from .axes import rms
 from .independent import EJ, LENGTH
+from .program import read_table
 from .settings import DEFAULT
 
 # A scene that never asked for anything but bonds, pairs and motion.
@@ -69,7 +70,7 @@ def errors(program, folder):
     def stress(more):
         file = folder / "stress.csv"
         program.run(TENSION | more | {"stress_monitor": f"ascii:{file}"})
-        rows = np.genfromtxt(file, delimiter=",", names=True)
+        rows = read_table(file)
         return 0.5 * (rows["stress_left_GPa"][-1] + rows["stress_right_GPa"][-1])
     full = stress({})
     for case, more in (("without pair forces", {"pair": "none"}), ("with breakage", {"break_strain_mean": 0.3})):

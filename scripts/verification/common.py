@@ -143,7 +143,9 @@ def read_state(file):
 
 
 def read_table(file):
-    table = np.genfromtxt(file, delimiter=",", names=True)
+    with open(file) as lines:
+        # genfromtxt would take names from a comment.
+        table = np.genfromtxt((line for line in lines if not line.startswith("#")), delimiter=",", names=True)
     return {name: np.atleast_1d(table[name]) for name in table.dtype.names}
 
 

@@ -164,7 +164,7 @@ void Simulation::printSummary() const {
                 units_.time, lowestLimit_);
   if (boundaries_.tension())
     PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(),
-                strength_, static_cast<long long>(e.brokenBonds));
+                std::max(strength_, lastStress_), static_cast<long long>(e.brokenBonds));
 }
 
 void Simulation::printDampingShare() const {

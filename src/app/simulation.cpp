@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "nanoweft/app/signals.hpp"
 #include "nanoweft/base/error.hpp"
@@ -119,23 +120,69 @@ RunRecord Simulation::runTexts(const char* purpose) const {
 }
 
 void Simulation::checkOutputs() const {
-  ReplaceRule rule;
-  rule.run = provenance();
-  rule.overwrite = settings_.overwrite;
-  rule.restart = settings_.restart;
-  if (scene_ && !scene_->file().empty()) rule.inputs = {scene_->file()};
+  requireDistinctOutputs();
+  const ReplaceRule rule = replaceRule();
   for (const std::string& file : {settings_.checkpointFile, settings_.stateOutput}) {
     if (file.empty()) continue;
     makeParentFolder(comm_, file);
     refuseForeignTarget(comm_, file, rule);
     requireWritable(comm_, file);
   }
-  energyMonitor_.check(comm_);
-  stressMonitor_.check(comm_);
-  if (const std::string file = energyMonitor_.fileName();
-      !file.empty() && file == stressMonitor_.fileName())
-    throw InputError("-energy_monitor and -stress_monitor write to the same file " + file);
-  if (!settings_.snapshotFile.empty()) Snapshots::check(comm_, settings_.snapshotFile, rule);
+  energyMonitor_.check(comm_, tableRun());
+  stressMonitor_.check(comm_, tableRun());
+  if (!settings_.snapshotFile.empty()) Snapshots::check(comm_, snapshotSetting());
+}
+
+void Simulation::requireDistinctOutputs() const {
+  const std::pair<const char*, std::string> files[] = {
+      {"-energy_monitor", energyMonitor_.fileName()},
+      {"-stress_monitor", stressMonitor_.fileName()},
+      {"-checkpoint_file", settings_.checkpointFile},
+      {"-state_output", settings_.stateOutput}};
+  std::string problem;
+  if (int rank; MPI_Comm_rank(comm_, &rank) == MPI_SUCCESS && rank == 0)
+    for (const auto& [option, file] : files) {
+      if (file.empty()) continue;
+      for (const auto& [other, theirs] : files)
+        if (std::strcmp(other, option) < 0 && !theirs.empty() && isSameFile(file, theirs))
+          problem = format("%s %s and %s %s are the same file", other, theirs.c_str(), option,
+                           file.c_str());
+      if (!settings_.snapshotFile.empty() && Snapshots::makes(settings_.snapshotFile, file))
+        problem = format("%s %s is a file that -snapshot_file %s makes", option, file.c_str(),
+                         settings_.snapshotFile.c_str());
+    }
+  agree<InputError>(comm_, problem);
+}
+
+ReplaceRule Simulation::replaceRule() const {
+  ReplaceRule rule;
+  rule.run = provenance();
+  rule.overwrite = settings_.overwrite;
+  rule.restart = settings_.restart;
+  if (scene_ && !scene_->file().empty()) rule.inputs = {scene_->file()};
+  return rule;
+}
+
+std::optional<Provenance> Simulation::checkpointProvenance() const {
+  if (!restartHeader_) return std::nullopt;
+  return provenanceOf(restartHeader_->run);
+}
+
+TableRun Simulation::tableRun() const {
+  TableRun run;
+  run.provenance = provenance();
+  run.checkpoint = checkpointProvenance();
+  run.overwrite = settings_.overwrite;
+  run.restart = restartHeader_.has_value();
+  run.interval = settings_.monitorInterval;
+  if (state_) run.step = state_->step;
+  run.ends = run.restart && verlet_ && over();
+  return run;
+}
+
+Snapshots::Setting Simulation::snapshotSetting() const {
+  return {settings_.snapshotFile, replaceRule(), checkpointProvenance(),
+          restartHeader_ ? restartHeader_->step : -1};
 }
 
 void Simulation::build() {
@@ -196,11 +243,17 @@ void Simulation::build() {
   for (int k = 0; k < 2 && domain_->unequal(); ++k) forces_->rebuild(*state_, *domain_);
   if (!restartHeader_ && forces_->pair() && !settings_.allowOverlap) refuseOverlap();
   chooseStep();
-  const std::int64_t restartStep = restartHeader_ ? state_->step : -1;
-  energyMonitor_.open(comm_, restartStep, settings_.monitorInterval);
-  stressMonitor_.open(comm_, restartStep, settings_.monitorInterval);
-  if (!settings_.snapshotFile.empty())
-    snapshots_.emplace(comm_, settings_.snapshotFile, restartStep);
+  openOutputs();
+}
+
+void Simulation::openOutputs() {
+  // Nothing is changed before all of it may be.
+  energyMonitor_.claim(comm_, tableRun());
+  stressMonitor_.claim(comm_, tableRun());
+  if (!settings_.snapshotFile.empty()) snapshots_.emplace(comm_, snapshotSetting());
+  energyMonitor_.open();
+  stressMonitor_.open();
+  if (snapshots_) snapshots_->begin();
 }
 
 void Simulation::checkStart() {
@@ -286,9 +339,10 @@ Ending Simulation::stopEarly() {
 Ending Simulation::runToEnd() {
   printHeader();
   begin();
-  while (!atEnd() && !converged_ && !balanced_ && !stopAsked_ && !timeOver_) step();
-  if (stopAsked_ || timeOver_) return stopEarly();
-  if (lastRecorded_ != state_->step) record();
+  while (!over() && !stopAsked_ && !timeOver_) step();
+  // A run that is over has nothing to go on with.
+  if (!over()) return stopEarly();
+  record();
   if (!settings_.checkpointFile.empty() && lastCheckpoint_ != state_->step)
     writeCheckpoint(settings_.checkpointFile);
   if (!settings_.stateOutput.empty()) {
@@ -297,8 +351,8 @@ Ending Simulation::runToEnd() {
     what.forces = settings_.stateForces;
     writeState(settings_.stateOutput, *state_, units_, runRecord("final"), what);
   }
-  energyMonitor_.close();
-  stressMonitor_.close();
+  energyMonitor_.sync();
+  stressMonitor_.sync();
   printSummary();
   return Ending::done;
 }
@@ -318,16 +372,14 @@ void Simulation::begin() {
         "the energy of the first state is not a finite number: check the fibre's parameters and "
         "the geometry");
   watchContacts();
-  if (restartHeader_) {
-    lastRecorded_ = state_->step;
-  } else {
+  for (const TableMonitor* monitor : {&energyMonitor_, &stressMonitor_})
+    if (!monitor->notice().empty()) PetscPrintf(comm_, "  %s\n", monitor->notice().c_str());
+  if (!restartHeader_) {
     if (settings_.relaxTolerance > 0) lastElastic_ = energies_->elastic();
     record();
-    if (snapshots_) {
-      const LogScope log(fileEvent_);
-      snapshots_->write(*state_, units_, runTexts("snapshot"),
-                        segmentFields(*state_, *domain_, *forces_));
-    }
+    if (snapshots_) writeSnapshot();
+  } else if (energyMonitor_.isNew() || stressMonitor_.isNew()) {
+    record();
   }
   checkBalance();
   firstResolved_ = forces_->pairsResolved();
@@ -392,11 +444,7 @@ void Simulation::step() {
   }
   checkBalance();
   if (notices & progress) printProgress();
-  if (snapshots_ && due(settings_.snapshotInterval)) {
-    const LogScope log(fileEvent_);
-    snapshots_->write(*state_, units_, runTexts("snapshot"),
-                      segmentFields(*state_, *domain_, *forces_));
-  }
+  if (snapshots_ && due(settings_.snapshotInterval)) writeSnapshot();
   if (settings_.limitInterval > 0 && due(settings_.limitInterval)) followLimit();
   if (checkpoint) writeCheckpoint(settings_.checkpointFile);
   stopAsked_ = notices & stop;
@@ -447,7 +495,9 @@ void Simulation::record() {
                          e.rotational, e.total(), e.damped, e.external, e.broken});
   if (boundaries_.tension()) {
     const auto stress = boundaries_.gripStress(*state_, *forces_, units_);
-    strength_ = std::max(strength_, 0.5 * (stress[0] + stress[1]));
+    lastStress_ = 0.5 * (stress[0] + stress[1]);
+    // A row that only closes a piece of the run is none of the whole run's.
+    if (due(settings_.monitorInterval)) strength_ = std::max(strength_, lastStress_);
     if (stressMonitor_.wanted()) {
       const auto virial = gageStress(*state_, *domain_, *forces_, *boundaries_.tension(), units_);
       std::vector<double> row{state_->time, strain(), stress[0], stress[1],
@@ -456,7 +506,12 @@ void Simulation::record() {
       stressMonitor_.record(state_->step, row);
     }
   }
-  lastRecorded_ = state_->step;
+}
+
+void Simulation::writeSnapshot() {
+  const LogScope log(fileEvent_);
+  snapshots_->write(*state_, units_, runTexts("snapshot"),
+                    segmentFields(*state_, *domain_, *forces_));
 }
 
 RunRecord Simulation::runRecord(const char* purpose) const {
@@ -494,6 +549,9 @@ void Simulation::restoreAccounts() {
 void Simulation::writeCheckpoint(const std::string& file) {
   const LogScope log(fileEvent_);
   const double begin = secondsSinceStart();
+  // What a restart expects of the tables is safe before the checkpoint is.
+  energyMonitor_.sync();
+  stressMonitor_.sync();
   writeState(file, *state_, units_, runRecord("checkpoint"));
   wallLimit_.checkpointTook(secondsSinceStart() - begin);
   lastCheckpoint_ = state_->step;

@@ -28,7 +28,7 @@ std::optional<Provenance> Provenance::fromTable(std::istream& in) {
   while (in.peek() == '#' && std::getline(in, line)) {
     if (line.starts_with(inputMark))
       result.input = line.substr(std::string(inputMark).size());
-    else if (line.starts_with("# "))
+    else if (line.starts_with("# -"))
       result.options += line.substr(2) + "\n";
   }
   return result;

@@ -1,15 +1,48 @@
 #include "nanoweft/record/table_monitor.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/state/output_target.hpp"
 
 namespace nanoweft {
+
+namespace {
+
+int rankIn(MPI_Comm comm) {
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+/// Does `work` and returns why it could not be done, or nothing.
+template <class Work>
+std::string problemOf(const Work& work) {
+  try {
+    work();
+    return "";
+  } catch (const std::exception& failure) {
+    return failure.what();
+  }
+}
+
+std::vector<std::string> split(const std::string& text, char mark) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == mark)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+}  // namespace
 
 TableMonitor::TableMonitor(Options& options, std::string option, const char* help,
                            std::vector<std::string> columns, std::size_t abscissa,
@@ -28,116 +61,166 @@ TableMonitor::~TableMonitor() {
   PetscViewerDestroy(&viewer_);
 }
 
-std::array<std::string, 2> TableMonitor::target() const {
-  char text[PETSC_MAX_PATH_LEN] = "";
+TableMonitor::Target TableMonitor::target() const {
+  char text[2 * PETSC_MAX_PATH_LEN] = "";
   PetscBool found;
   petsc(
       PetscOptionsGetString(nullptr, nullptr, ("-" + option_).c_str(), text, sizeof text, &found));
-  std::istringstream parts(text);
-  std::array<std::string, 2> result;
-  for (std::string& part : result) std::getline(parts, part, ':');
-  return result;
+  const std::string given = "-" + option_ + " " + text;
+  // type[:name[:format[:mode]]]
+  auto parts = split(text, ':');
+  if (parts[0] == "draw") return {Target::graph, ""};
+  if (!parts[0].empty() && parts[0] != "ascii")
+    throw InputError(given + ": the viewer must be ascii or draw, as in ascii:" +
+                     (parts.size() == 1 ? parts[0] : "FILE.csv"));
+  const std::size_t count = parts.size();
+  parts.resize(std::max<std::size_t>(count, 4));
+  const std::string &name = parts[1], &shape = parts[2], &mode = parts[3];
+  if (count > 4 || (!shape.empty() && shape != "default"))
+    throw InputError(given + ": expected ascii:FILE.csv, with no ':' in the name");
+  if (!mode.empty() && mode != "write" && mode != "append")
+    throw InputError(given + ": a table can be opened by write or append, not by " + mode);
+  if (name.ends_with(".gz"))
+    throw InputError(given + ": tables are not compressed; choose a name without .gz");
+  if (name.empty() || name == "stdout" || name == "/dev/stdout") return {};
+  if (name == "stderr" || name == "/dev/stderr") return {Target::errors, ""};
+  return {Target::table, name};
 }
 
 std::string TableMonitor::fileName() const {
-  const auto [type, file] = target();
-  return type == "ascii" ? file : "";
+  return wanted_ ? target().file : "";
 }
 
-void TableMonitor::check(MPI_Comm comm) const {
+std::string TableMonitor::columnLine() const {
+  std::string line = "step";
+  for (const std::string& c : columns_) line += "," + c;
+  return line;
+}
+
+std::string TableMonitor::refusal(const TableHead& head, const TableRun& run) const {
+  const std::string file = target().file, columns = columnLine();
+  const bool ours = head.provenance && head.provenance->program == run.provenance.program;
+  const bool table = head.columns == columns && (!ours || !head.stretches.empty());
+  if (ours && table && run.owns(*head.provenance)) return "";
+  const bool result = ours || head.columns == columns;
+  if (result && run.overwrite) return "";
+  const std::string will = "will not replace " + file + ": ";
+  if (!table) return will + "it is no table of -" + option_ + "; remove it or choose another name";
+  const std::string why = ours ? differenceOfRuns(*head.provenance, run.provenance) : "";
+  return will + "another run wrote it" + (why.empty() ? "" : " (" + why + ")") +
+         "; remove it, choose another name or give -overwrite";
+}
+
+void TableMonitor::check(MPI_Comm comm, const TableRun& run) const {
   if (!wanted_) return;
-  const auto [type, file] = target();
-  if (!type.empty() && type != "ascii" && type != "draw")
-    throw InputError(
-        format("-%s %s: the viewer must be ascii or draw", option_.c_str(), type.c_str()));
-  if (type == "draw" || file.empty()) return;
+  const std::string file = target().file;
+  if (file.empty()) return;
   makeParentFolder(comm, file);
-  int rank;
-  MPI_Comm_rank(comm, &rank);
   std::string problem;
-  if (rank == 0 && std::filesystem::is_directory(file)) {
-    problem = format("-%s: %s is a folder", option_.c_str(), file.c_str());
-  } else if (rank == 0 && std::filesystem::is_regular_file(file)) {
-    std::ifstream old(file);
-    std::string line;
-    std::getline(old, line);
-    if (!line.empty() && line + "\n" != header())
-      problem =
-          format("will not overwrite %s: it is no table of -%s; remove it or choose another name",
-                 file.c_str(), option_.c_str());
+  struct stat there;
+  // What is no regular file must not be opened here: a fifo would wait for its reader.
+  if (rankIn(comm) == 0 && ::stat(file.c_str(), &there) == 0) {
+    if (S_ISREG(there.st_mode) && there.st_size > 0) {
+      if (const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); fd >= 0) {
+        problem = refusal(readTableHead(fd), run);
+        ::close(fd);
+      }
+    } else if (!S_ISREG(there.st_mode) && !S_ISCHR(there.st_mode)) {
+      problem = format("-%s: cannot write %s: it is %s", option_.c_str(), file.c_str(),
+                       S_ISDIR(there.st_mode) ? "a folder" : "no regular file");
+    }
   }
   agree<InputError>(comm, problem);
 }
 
-void TableMonitor::close() {
-  if (!viewer_ || graph_) return;
-  FILE* stream = nullptr;
-  petsc(PetscViewerASCIIGetPointer(viewer_, &stream));
-  agree<RunError>(comm_, stream && std::ferror(stream)
-                             ? format("-%s: some rows could not be written (is the disk full?)",
-                                      option_.c_str())
-                             : "");
+/// Looks at the content of the file and notes what of it stays.
+void TableMonitor::read(const TableRun& run) {
+  const std::string& name = file_->name();
+  TableHead old;
+  if (!file_->isDevice() && file_->size() > 0) {
+    old = readTableHead(file_->descriptor());
+    if (const std::string why = refusal(old, run); !why.empty()) throw std::runtime_error(why);
+  }
+  head_.provenance = run.provenance;
+  head_.columns = columnLine();
+  head_.stretches = {{run.interval, run.step}};
+  if (!run.restart || file_->isDevice()) return;
+  const bool goesOn = old.provenance && run.owns(*old.provenance) && !old.stretches.empty() &&
+                      old.columns == head_.columns;
+  if (!goesOn) {
+    notice_ = format(
+        "warning: there are no earlier rows of this run in %s; its table begins at step %lld",
+        name.c_str(), static_cast<long long>(run.step));
+    return;
+  }
+  const TableRows rows = checkTableRows(file_->descriptor(), old, run.step, run.ends);
+  if (!rows.problem.empty())
+    throw std::runtime_error(name + ", " + rows.problem +
+                             "; restore the table, or give the monitor another name");
+  if (rows.last < 0) return;
+  while (old.stretches.back().begin >= run.step && old.stretches.size() > 1)
+    old.stretches.pop_back();
+  if (old.stretches.back().interval != run.interval)
+    old.stretches.push_back({run.interval, run.step});
+  head_.stretches = old.stretches;
+  keptBegin_ = old.end;
+  keptEnd_ = rows.end;
+  last_ = rows.last;
 }
 
-std::string TableMonitor::header() const {
-  std::string line = "step";
-  for (const std::string& c : columns_) line += "," + c;
-  return line + "\n";
-}
-
-void TableMonitor::open(MPI_Comm comm, std::int64_t restartStep, std::int64_t interval) {
+void TableMonitor::claim(MPI_Comm comm, const TableRun& run) {
   if (!wanted_) return;
   comm_ = comm;
-  int rank;
-  MPI_Comm_rank(comm, &rank);
-  const std::string file = fileName();
-  std::string kept = header();
-  if (!file.empty()) {
-    std::string problem;
-    if (rank == 0) {
-      if (std::ifstream old(file); old && restartStep >= 0) {
-        std::string line;
-        std::getline(old, line);
-        if (line + "\n" == header())
-          while (std::getline(old, line)) {
-            const std::int64_t step = std::atoll(line.c_str());
-            // The closing row of the earlier piece is none of the whole run's.
-            const bool closing = step == restartStep && step % interval != 0;
-            if (!line.empty() && step <= restartStep && !closing) kept += line + "\n";
-          }
-      }
-      if (!std::ofstream(file, std::ios::app))
-        problem = format("-%s: cannot write %s", option_.c_str(), file.c_str());
-    }
-    agree<InputError>(comm, problem);
+  const Target where = target();
+  if (where.kind != Target::table) return;
+  std::string problem;
+  if (rankIn(comm) == 0)
+    problem = problemOf([&] {
+      file_ = std::make_unique<LockedFile>(where.file);
+      read(run);
+    });
+  agree<InputError>(comm, problem.empty() ? "" : "-" + option_ + ": " + problem);
+  MPI_Bcast(&last_, 1, MPI_INT64_T, 0, comm);
+}
+
+void TableMonitor::open() {
+  if (!wanted_) return;
+  if (target().kind != Target::table) return openViewer();
+  std::string problem;
+  if (file_) problem = problemOf([&] { file_->replace(head_.text(), keptBegin_, keptEnd_); });
+  agree<InputError>(comm_, problem.empty() ? "" : "-" + option_ + ": " + problem);
+}
+
+void TableMonitor::openViewer() {
+  const Target::Kind kind = target().kind;
+  if (kind != Target::graph) {
+    auto get = kind == Target::errors ? PetscViewerASCIIGetStderr : PetscViewerASCIIGetStdout;
+    petsc(get(comm_, &viewer_));
+    petsc(PetscObjectReference(reinterpret_cast<PetscObject>(viewer_)));
+    petsc(PetscViewerASCIIPrintf(viewer_, "%s\n", columnLine().c_str()));
+    return;
   }
   PetscBool found;
   try {
-    petsc(PetscOptionsGetViewer(comm, nullptr, nullptr, ("-" + option_).c_str(), &viewer_, &format_,
-                                &found));
+    petsc(PetscOptionsGetViewer(comm_, nullptr, nullptr, ("-" + option_).c_str(), &viewer_,
+                                &format_, &found));
   } catch (const PetscFailure& failure) {
     throw InputError(format("-%s: %s", option_.c_str(), failure.what()));
   }
-  PetscBool draw;
-  petsc(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer_), PETSCVIEWERDRAW, &draw));
-  if (!draw) {
-    petsc(PetscViewerASCIIPrintf(viewer_, "%s", kept.c_str()));
-    petsc(PetscViewerFlush(viewer_));
-  } else {
-    PetscDraw canvas;
-    petsc(PetscViewerDrawGetDraw(viewer_, 0, &canvas));
-    petsc(PetscDrawLGCreate(canvas, static_cast<PetscInt>(curves_.size()), &graph_));
-    PetscDrawAxis axis;
-    petsc(PetscDrawLGGetAxis(graph_, &axis));
-    petsc(PetscDrawAxisSetLabels(axis, option_.c_str(), columns_[abscissa_].c_str(), ""));
-    std::vector<const char*> names;
-    for (std::size_t c : curves_) names.push_back(columns_[c].c_str());
-    petsc(PetscDrawLGSetLegend(graph_, names.data()));
-  }
+  PetscDraw canvas;
+  petsc(PetscViewerDrawGetDraw(viewer_, 0, &canvas));
+  petsc(PetscDrawLGCreate(canvas, static_cast<PetscInt>(curves_.size()), &graph_));
+  PetscDrawAxis axis;
+  petsc(PetscDrawLGGetAxis(graph_, &axis));
+  petsc(PetscDrawAxisSetLabels(axis, option_.c_str(), columns_[abscissa_].c_str(), ""));
+  std::vector<const char*> names;
+  for (std::size_t c : curves_) names.push_back(columns_[c].c_str());
+  petsc(PetscDrawLGSetLegend(graph_, names.data()));
 }
 
 void TableMonitor::record(std::int64_t step, const std::vector<double>& values) {
-  if (!viewer_) return;
+  if (!wanted_ || step <= last_) return;
+  last_ = step;
   if (graph_) {
     std::vector<PetscReal> x(curves_.size(), values[abscissa_]), y;
     for (std::size_t c : curves_) y.push_back(values[c]);
@@ -148,8 +231,23 @@ void TableMonitor::record(std::int64_t step, const std::vector<double>& values) 
   }
   std::string line = std::to_string(step);
   for (double v : values) line += format(",%.17g", v);
-  petsc(PetscViewerASCIIPrintf(viewer_, "%s\n", line.c_str()));
-  petsc(PetscViewerFlush(viewer_));
+  std::string problem;
+  if (viewer_) {
+    petsc(PetscViewerASCIIPrintf(viewer_, "%s\n", line.c_str()));
+    petsc(PetscViewerFlush(viewer_));
+    FILE* stream = nullptr;
+    petsc(PetscViewerASCIIGetPointer(viewer_, &stream));
+    if (stream && std::ferror(stream)) problem = "a row could not be written";
+  } else if (file_) {
+    problem = problemOf([&] { file_->append(line + "\n"); });
+  }
+  agree<RunError>(comm_, problem.empty() ? "" : "-" + option_ + ": " + problem);
+}
+
+void TableMonitor::sync() {
+  if (!wanted_ || viewer_) return;
+  const std::string problem = file_ ? problemOf([&] { file_->sync(); }) : "";
+  agree<RunError>(comm_, problem.empty() ? "" : "-" + option_ + ": " + problem);
 }
 
 }  // namespace nanoweft

@@ -18,6 +18,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 from speed_error_parts import scenes  # noqa: E402
+from speed_error_parts.program import read_table  # noqa: E402
 
 BINARY = ROOT / "build/bin/nanoweft"
 WEAVE = "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.05"
@@ -37,7 +38,7 @@ FINEST = 0.625
 def run(folder, options, dt, inner, more=""):
     """Exit status, printed text, energy table, final positions (unwrapped)."""
     words = options.format(bundle=folder / "bundle.h5", straight=folder / "straight.h5").split()
-    words += f"-ts_dt {dt:.10g} -ts_dt_unsafe -progress_interval 0 -ts_limit_interval 0 {more}".split()
+    words += f"-ts_dt {dt:.10g} -ts_dt_unsafe -progress_interval 0 -ts_limit_interval 0 -overwrite {more}".split()
     words += f"-energy_monitor ascii:{folder}/e.csv -state_output {folder}/s.h5".split()
     words += [] if inner == 1 else ["-ts_inner", str(inner)]
     done = subprocess.run(["bash", "-c", '. scripts/environment; exec "$@"', "-", str(BINARY), *words], cwd=ROOT,
@@ -46,7 +47,7 @@ def run(folder, options, dt, inner, more=""):
         sys.exit(done.stderr)
     if done.returncode:
         return done.returncode, done.stdout + done.stderr, None, None
-    table = np.genfromtxt(folder / "e.csv", delimiter=",", names=True)
+    table = read_table(folder / "e.csv")
     with h5py.File(folder / "s.h5") as f:
         s = f["state"]
         box = s.attrs["upper"] - s.attrs["lower"]
@@ -116,7 +117,7 @@ def tension(folder):
         status, text, table, _ = run(folder, options, dt, inner, f"-monitor_interval {every}")
         if status:
             return None
-        rows = np.genfromtxt(folder / "bundle.h5.csv", delimiter=",", names=True)
+        rows = read_table(folder / "bundle.h5.csv")
         times = np.arange(600, 24001, 600)
         stress = 0.5 * (rows["stress_left_GPa"] + rows["stress_right_GPa"])
         balance = table["total"] + table["damped"] - table["external"]

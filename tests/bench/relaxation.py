@@ -14,7 +14,8 @@ NEAR = 22.0  # A: two centres of tubes that touch (17.1 A) lie at most half a se
 
 def print_energies(file):
     with open(file) as f:
-        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(f)]
+        lines = (line for line in f if not line.startswith("#"))
+        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(lines)]
     for r in rows:
         r["elastic"] = r["stretch"] + r["shear"] + r["bending"] + r["torsion"]
         r["balance"] = r["total"] + r["damped"] + r["broken"] - r["external"]

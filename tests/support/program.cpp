@@ -99,7 +99,8 @@ std::string readFile(const std::string& file) {
 std::map<std::string, std::vector<double>> readCsv(const std::string& file) {
   std::istringstream in(readFile(file));
   std::string line, cell;
-  std::getline(in, line);
+  while (std::getline(in, line) && line.starts_with("#")) {
+  }
   std::vector<std::string> names;
   std::istringstream header(line);
   while (std::getline(header, cell, ',')) names.push_back(cell);

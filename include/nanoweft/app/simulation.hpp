@@ -59,7 +59,10 @@ class Simulation {
   /// Throws InputError when something keeps moving.
   void requireRest() const;
   void checkOutputs() const;
+  /// Throws InputError when two outputs are one file.
+  void requireDistinctOutputs() const;
   void build();
+  void openOutputs();
   /// Refuses a start whose bonds are far from rest, or keeps a warning for the header.
   void checkStart();
   void perturb();
@@ -75,9 +78,12 @@ class Simulation {
   void checkBalance();
   int agreeOn(const DriftReport& drift);
   void record();
+  void writeSnapshot();
   /// No step will be made: only the forces and energies of the start are wanted.
   bool evaluatesOnly() const;
   bool atEnd() const;
+  /// At its end, or at rest.
+  bool over() const { return atEnd() || converged_ || balanced_; }
   bool due(long interval) const { return state_->step % interval == 0; }
 
   /// Where the results of this run come from.
@@ -85,6 +91,10 @@ class Simulation {
   /// What a file of this run says of it; `purpose`: checkpoint, final or snapshot.
   RunRecord runTexts(const char* purpose) const;
   RunRecord runRecord(const char* purpose) const;
+  std::optional<Provenance> checkpointProvenance() const;
+  ReplaceRule replaceRule() const;
+  TableRun tableRun() const;
+  Snapshots::Setting snapshotSetting() const;
   void restoreAccounts();
   void writeCheckpoint(const std::string& file);
 
@@ -133,8 +143,9 @@ class Simulation {
   bool releasedPairs_ = false, stopAsked_ = false, timeOver_ = false, converged_ = false,
        balanced_ = false;
   double lastElastic_ = -1;  ///< at the last check of convergence
-  std::int64_t lastRecorded_ = -1, lastCheckpoint_ = -1, firstStep_ = 0;
-  double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0;
+  std::int64_t lastCheckpoint_ = -1, firstStep_ = 0;
+  double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0,
+         lastStress_ = 0;
   LastCheckpoint good_;
   std::optional<double> defaultStep_;  ///< when the state chose it
   bool limitWarned_ = false, contactWarned_ = false;

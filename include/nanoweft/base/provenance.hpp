@@ -20,6 +20,10 @@ struct Provenance {
       input;  ///< SHA-256 (hexadecimal) of the state file that the run started from, or empty
 
   bool operator==(const Provenance&) const = default;
+  /// Do both come from the same run? Another version of the program may have gone on with it.
+  bool sameRun(const Provenance& other) const {
+    return program == other.program && options == other.options && input == other.input;
+  }
 
   /// The lines that stand at the head of a table.
   std::string tableHead() const;

@@ -1,20 +1,40 @@
-/// A monitor that records rows of numbers through a PETSc viewer chosen by an option:
+/// A monitor that records rows of numbers where an option says, in PETSc's syntax of viewers:
 ///
 ///     -energy_monitor ascii:energy.csv     comma-separated file (or `ascii`: the terminal)
 ///     -energy_monitor draw                 line graph, live (-draw_pause, -draw_save as in PETSc)
+///
+/// Files are written here and not by PETSc, so that no row is lost: see LockedFile.
 #pragma once
 
 #include <petscdraw.h>
 #include <petscviewer.h>
 
-#include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "nanoweft/base/locked_file.hpp"
 #include "nanoweft/base/options.hpp"
+#include "nanoweft/record/table_file.hpp"
 
 namespace nanoweft {
+
+/// What a table needs to know of the run that it belongs to.
+struct TableRun {
+  Provenance provenance;
+  std::optional<Provenance>
+      checkpoint;          ///< of what a restart goes on from; it may have another step
+  bool overwrite = false;  ///< tables of other runs may be replaced
+  bool restart = false;
+  bool ends = false;  ///< no step will be made
+  std::int64_t step = 0;
+  std::int64_t interval = 1;  ///< steps between rows
+
+  bool owns(const Provenance& result) const {
+    return result.sameRun(provenance) || (checkpoint && result.sameRun(*checkpoint));
+  }
+};
 
 class TableMonitor {
  public:
@@ -28,22 +48,42 @@ class TableMonitor {
   TableMonitor& operator=(const TableMonitor&) = delete;
 
   bool wanted() const { return wanted_; }
-  /// Where the table goes, empty when not into a file.
+  const std::string& option() const { return option_; }
+  /// Where the table goes, empty when not into a file. Throws InputError for a viewer that cannot
+  /// hold a table.
   std::string fileName() const;
-  /// Throws InputError for a viewer that cannot hold a table, or a file that is there and is none.
-  void check(MPI_Comm comm) const;
-  /// Throws RunError when some row could not be written. Collective.
-  void close();
+  /// Throws InputError for such a viewer and for a file that must not be replaced. Changes nothing.
+  /// Collective.
+  void check(MPI_Comm comm, const TableRun& run) const;
 
-  /// Opens the viewer. A file that exists is replaced, but in a restart its rows up to
-  /// `restartStep` are kept (-1: no restart); `interval`: steps between rows. Collective.
-  void open(MPI_Comm comm, std::int64_t restartStep, std::int64_t interval);
+  /// Takes the file for this run alone and looks at what there is: a restart goes on with the rows
+  /// up to its step. Throws InputError when they are not whole. Collective.
+  void claim(MPI_Comm comm, const TableRun& run);
+  /// Begins or goes on with the table; `claim` must have been called. Throws InputError.
+  /// Collective.
+  void open();
+  /// A table that holds no row yet.
+  bool isNew() const { return wanted_ && last_ < 0; }
+  /// What the user should know of the opened table, or nothing; on rank 0.
+  const std::string& notice() const { return notice_; }
+
+  /// Adds a row unless the table already has that of this step. Throws RunError. Collective.
   void record(std::int64_t step, const std::vector<double>& values);
+  /// Returns when all rows are on the disk. Throws RunError. Collective.
+  void sync();
 
  private:
-  /// The parts of the option's value, TYPE:FILE.
-  std::array<std::string, 2> target() const;
-  std::string header() const;
+  /// The parts of the option's value.
+  struct Target {
+    enum Kind { terminal, errors, graph, table } kind = terminal;
+    std::string file;
+  };
+  Target target() const;
+  std::string columnLine() const;
+  /// Why the content of a file must not be replaced or gone on with.
+  std::string refusal(const TableHead& head, const TableRun& run) const;
+  void read(const TableRun& run);
+  void openViewer();
 
   std::string option_;
   std::vector<std::string> columns_;
@@ -54,6 +94,14 @@ class TableMonitor {
   PetscViewer viewer_ = nullptr;
   PetscViewerFormat format_ = PETSC_VIEWER_DEFAULT;
   PetscDrawLG graph_ = nullptr;
+
+  // On rank 0, of a table in a file.
+  std::unique_ptr<LockedFile> file_;
+  TableHead head_;
+  std::int64_t keptBegin_ = 0, keptEnd_ = 0;  ///< rows of the old content that stay, bytes
+  std::string notice_;
+
+  std::int64_t last_ = -1;  ///< step of the last row
 };
 
 }  // namespace nanoweft
