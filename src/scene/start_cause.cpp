@@ -80,15 +80,15 @@ std::string unitBehind(double ratio, bool si) {
     const char* text;
   };
   static constexpr Unit nano[] = {
-      {0.1, "T/10 everywhere: are the positions in nm? Here they are in A"},
-      {1e-4, "T/10000 everywhere: are the positions in um? Here they are in A"},
-      {1e-10, "1e-10 T everywhere: are the positions in m? Here they are in A"},
-      {10, "10 T everywhere: were the positions turned from nm into A twice?"}};
+      {0.1, "T/10 apart: are the positions in nm? Here they are in A"},
+      {1e-4, "T/10000 apart: are the positions in um? Here they are in A"},
+      {1e-10, "1e-10 T apart: are the positions in m? Here they are in A"},
+      {10, "10 T apart: were the positions turned from nm into A twice?"}};
   static constexpr Unit metric[] = {
-      {1e3, "1000 T everywhere: are the positions in mm? Here they are in m"},
-      {1e6, "1e6 T everywhere: are the positions in um? Here they are in m"},
-      {1e9, "1e9 T everywhere: are the positions in nm? Here they are in m"},
-      {1e10, "1e10 T everywhere: are the positions in A? Here they are in m"}};
+      {1e3, "1000 T apart: are the positions in mm? Here they are in m"},
+      {1e6, "1e6 T apart: are the positions in um? Here they are in m"},
+      {1e9, "1e9 T apart: are the positions in nm? Here they are in m"},
+      {1e10, "1e10 T apart: are the positions in A? Here they are in m"}};
   for (const Unit& u : si ? metric : nano)
     if (std::abs(ratio / u.ratio - 1.0) < 0.03) return u.text;
   return "";
@@ -131,7 +131,7 @@ std::string strainCause(const StartBonds& bonds, const StartContext& c, const Wo
   const double ratio = common.length / c.fibre.length;
   if (10 * common.count >= 9 * common.bonds && std::abs(ratio - 1.0) > fitting) {
     if (const std::string unit = unitBehind(ratio, c.units.name == "si"); !unit.empty())
-      return "segments lie " + unit;
+      return "segments of the length T lie " + unit;
     return format(
         "segments lie %.5g %s apart everywhere, but are %.5g long: give "
         "-fibre_segment_length %.5g, or lay them that far apart",
@@ -163,15 +163,15 @@ Vec3d axisBy(Reading reading, const Quatd& q) {
 
 }  // namespace
 
-std::string axisCause(const StartBonds& bonds, const StartContext& c, double limit) {
+std::string axisCause(const StartBonds& bonds, const StartContext& c) {
   const State& s = bonds.state();
   const MinimumImage nearest(s.box);
-  const double least = std::cos(limit);
   std::array<std::int64_t, readings> fits{};
   std::int64_t all = 0, off = 0;
   bonds.forEach([&](const StartBond& b) {
     const Vec3d d = nearest(b.to - b.from);
-    auto along = [&](const Vec3d& e) { return dot(e, d) >= least * norm(d); };
+    // Within 15 degrees, as between a curved fibre's tangent and chord.
+    auto along = [&](const Vec3d& e) { return dot(e, d) >= 0.966 * norm(d); };
     const bool good = along(axis1(b.first)) && along(axis1(b.second));
     ++all;
     if (!good) ++off;

@@ -33,7 +33,8 @@ Limits limitsOf(const StartContext& c) {
             {0.5, 60 * degree, 90 * degree, 90 * degree, infinity}};
   Limits limits{{0.01, 10 * degree, 20 * degree, 10 * degree, 2 * degree},
                 {0.05, 30 * degree, 45 * degree, 45 * degree, infinity}};
-  // What was asked for by an option is meant.
+  // Only files come from outside; what was asked for by an option is meant.
+  if (!c.fromFile) limits.warned.fill(infinity);
   const Values asked{c.asked.strain, 0.5 * c.asked.bend, c.asked.bend, c.asked.twist, 0.0};
   for (std::size_t k = 0; k < kinds; ++k)
     for (double* limit : {&limits.warned[k], &limits.refused[k]})
@@ -143,8 +144,9 @@ std::string measureOf(std::size_t kind, const WorstBond& w, const StartContext& 
   switch (kind) {
     case strain: {
       const double r = norm(nearest(w.to - w.from)), length = c.fibre.length;
-      return format("the bond between them is %.4g %s long instead of %.4g (strain %+.3g %%)", r,
-                    c.units.length, length, 100 * (r / length - 1.0));
+      const double percent = 100 * (r / length - 1.0);
+      return format("the bond between them is %.4g %s long instead of %.4g (strain %+.*f %%)", r,
+                    c.units.length, length, std::abs(percent) < 20 ? 1 : 0, percent);
     }
     case axis:
       return format("the axis of segment %d is %.3g degrees off its bond", w.bent, angle);
@@ -158,22 +160,21 @@ std::string measureOf(std::size_t kind, const WorstBond& w, const StartContext& 
 }
 
 std::string countOf(std::int64_t count, std::int64_t bonds, std::size_t kind, double limit) {
-  if (count == 1) return format(", alone of %lld bonds", static_cast<long long>(bonds));
-  return format(", as are %lld of %lld bonds beyond %.3g %s", static_cast<long long>(count),
-                static_cast<long long>(bonds), kind == strain ? 100 * limit : limit / degree,
-                kind == strain ? "%" : "degrees");
+  return format("; %lld of %lld bonds %s beyond %.3g %s", static_cast<long long>(count),
+                static_cast<long long>(bonds), count == 1 ? "is" : "are",
+                kind == strain ? 100 * limit : limit / degree, kind == strain ? "%" : "degrees");
 }
 
 constexpr const char* carryFrame =
     "carry one frame along the fibre, so that neighbours differ little";
 
 std::string causeOf(std::size_t kind, const StartBonds& bonds, const StartContext& c,
-                    const Survey& survey, const Limits& limits) {
+                    const Survey& survey) {
   switch (kind) {
     case strain:
       return strainCause(bonds, c, survey.worst[strain]);
     case axis:
-      return axisCause(bonds, c, limits.refused[axis]);
+      return axisCause(bonds, c);
     case bend:
       return "cut the fibre into shorter segments or round the corner";
     default:
@@ -201,7 +202,7 @@ std::vector<StartFinding> lookAtStart(const State& state, const StartContext& c)
     const double limit = refused ? limits.refused[k] : limits.warned[k];
     std::string text = placeOf(s.worst[k]) + ": " + measureOf(k, s.worst[k], c, nearest) +
                        countOf(refused ? s.refused[k] : s.warned[k], s.bonds, k, limit);
-    if (refused) text += "; " + causeOf(k, bonds, c, s, limits);
+    if (refused) text += "; " + causeOf(k, bonds, c, s);
     findings.push_back({refused, text});
   }
   if (!c.evolved && twistSitsInOneBond(s))
@@ -209,7 +210,7 @@ std::vector<StartFinding> lookAtStart(const State& state, const StartContext& c)
         {true, placeOf(s.worstTurn) + ": " + measureOf(twist, s.worstTurn, c, nearest) +
                    ", while others of this closed fibre are not; distribute the twist along the "
                    "fibre, a part on each bond"});
-  if (!c.evolved && s.worst[slant].value > 2 * degree && s.refused[axis] == 0 &&
+  if (c.fromFile && !c.evolved && s.worst[slant].value > 2 * degree && s.refused[axis] == 0 &&
       s.refused[strain] == 0 && s.shear > 10.0 * s.others) {
     std::erase_if(findings, [](const StartFinding& f) { return !f.refused; });
     findings.push_back(

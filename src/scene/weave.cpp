@@ -97,6 +97,10 @@ class WeaveScene final : public Scene {
     return box;
   }
 
+  StartRequest asked() const override {
+    // Fibres of few segments between crossings are bent at them.
+    return {0, pi, 0};
+  }
   void fill(State& state) const override {
     fillFibres(state, p_.alongX + p_.alongY, p_.segments, [&](std::int64_t f) {
       const bool alongX = f < p_.alongX;

@@ -45,6 +45,6 @@ struct WorstBond {
 // What lies behind a finding, as the end of its sentence, with the remedy. Collective.
 std::string strainCause(const StartBonds& bonds, const StartContext& context,
                         const WorstBond& worst);
-std::string axisCause(const StartBonds& bonds, const StartContext& context, double limit);
+std::string axisCause(const StartBonds& bonds, const StartContext& context);
 
 }  // namespace nanoweft

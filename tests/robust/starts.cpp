@@ -1,0 +1,410 @@
+/// Starts that cannot be meant, as people make them: refused with the cause; what is meant passes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <numbers>
+
+#include "nanoweft/base/hdf5.hpp"
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+using namespace nanoweft;
+using namespace nanoweft::test;
+
+namespace {
+
+constexpr double T = 13.56, pi = std::numbers::pi;
+
+// mpirun otherwise sleeps for two seconds after each status that is not 0.
+[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
+
+const std::string start = "-scene file -scene_file in.h5 -progress_interval 0 ";
+
+void expectRefused(const Outcome& outcome, const std::vector<std::string>& fragments) {
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_TRUE(outcome.output.starts_with("nanoweft: error: ")) << outcome.output;
+  EXPECT_EQ(std::ranges::count(outcome.output, '\n'), 1) << outcome.output;
+  for (const std::string& fragment : fragments)
+    EXPECT_NE(outcome.output.find(fragment), std::string::npos)
+        << "no '" << fragment << "' in: " << outcome.output;
+}
+
+void expectSilent(const Outcome& outcome) {
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(outcome.output.find("warning"), std::string::npos) << outcome.output;
+}
+
+std::size_t warnings(const Outcome& outcome) {
+  std::size_t count = 0;
+  for (auto at = outcome.output.find("warning"); at != std::string::npos;
+       at = outcome.output.find("warning", at + 1))
+    ++count;
+  return count;
+}
+
+/// A straight fibre whose spacing is not T.
+FibreInput spaced(double spacing, int segments = 30) {
+  FibreInput f = straightFibre({0, 0, 0}, {1, 0, 0}, segments);
+  for (std::size_t k = 0; k < f.position.size(); ++k)
+    f.position[k].x = static_cast<double>(k) * spacing;
+  return f;
+}
+
+/// A straight fibre along y with other orientations.
+FibreInput turned(const Quatd& q) {
+  FibreInput f = straightFibre({0, 0, 0}, {0, 1, 0}, 30);
+  std::ranges::fill(f.orientation, q);
+  return f;
+}
+
+/// A closed circle in the x, y plane; `twist` is added from the middle of the fibre on.
+FibreInput ring(int segments, double twist = 0) {
+  FibreInput f;
+  f.closed = true;
+  const double radius = 0.5 * T / std::sin(pi / segments);
+  for (int k = 0; k < segments; ++k) {
+    const double angle = 2 * pi * k / segments;
+    f.position.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    const Quatd along = rotation({0, 0, angle + 0.5 * pi});
+    f.orientation.push_back(2 * k < segments ? along : along * rotation({twist, 0, 0}));
+  }
+  return f;
+}
+
+struct Start {
+  std::string name;
+  std::vector<FibreInput> fibres;
+  std::vector<std::string> fragments;
+};
+
+const double half = std::sqrt(0.5);
+
+const std::vector<Start> refused = {
+    {"Nanometres", {spaced(0.1 * T)}, {"strain -90 %", "29 of 29", "T/10 apart", "nm"}},
+    {"TenTimesTooFar", {spaced(10 * T)}, {"strain +900 %", "10 T apart", "twice"}},
+    {"Metres", {spaced(1e-10 * T)}, {"strain -100 %", "in m?"}},
+    {"OtherSegmentLength", {spaced(20.34)}, {"+50 %", "-fibre_segment_length 20.34"}},
+    {"OtherSegmentLengthShorter", {spaced(6.78)}, {"-50 %", "-fibre_segment_length 6.78"}},
+    {"OneGap",
+     {[] {
+       FibreInput f = spaced(T);
+       for (std::size_t k = 12; k < f.position.size(); ++k) f.position[k].x += 3;
+       return f;
+     }()},
+     {"fibre 0, segments 11 and 12", "strain +22 %", "1 of 29 bonds is", "order of index"}},
+    {"ScalarLast", {turned({0, 0, half, half})}, {"look like x, y, z, w", "w, x, y, z"}},
+    {"ScalarLastAlongX",
+     {[] {
+       FibreInput f = spaced(T);
+       std::ranges::fill(f.orientation, Quatd{0, 0, 0, 1});
+       return f;
+     }()},
+     {"against the chain", "x, y, z, w", "index the fibre the other way"}},
+    {"AgainstTheChain", {turned({half, 0, 0, -half})}, {"180 degrees", "against the chain"}},
+    {"OneFibreAgainstTheChain",
+     {spaced(T), spaced(T),
+      [] {
+        FibreInput f = straightFibre({0, 40, 0}, {1, 0, 0}, 30);
+        std::ranges::reverse(f.position);
+        return f;
+      }()},
+     {"fibre 2, segments", "29 of 87", "against the chain"}},
+    {"BodyZ", {turned({half, -half, 0, 0})}, {"90 degrees", "body z axis runs along the chain"}},
+    {"NoOrientation", {turned({1, 0, 0, 0})}, {"90 degrees", "body x axis"}},
+    {"SpaceToBody",
+     {[] {
+       // Along (1, 1, 1).
+       const double c = std::sqrt(1.0 / 3), w = std::sqrt(0.5 * (1 + c)), s = 0.5 * c / w;
+       FibreInput f = straightFibre({0, 0, 0}, {1, 1, 1}, 30);
+       std::ranges::fill(f.orientation, Quatd{w, 0, s, -s});
+       return f;
+     }()},
+     {"from space to body"}},
+    {"Slanted",
+     {turned(rotation({0, 0, 0.5 * pi + 0.14}))},
+     {"sheared 8.02 degrees", "shear holds"}},
+    {"TwistInOneBondOfARing", {ring(40, 0.5 * pi)}, {"twisted by 90 degrees", "distribute"}},
+    {"SmallTwistInOneBondOfARing", {ring(40, 0.25)}, {"twisted by 14.3 degrees", "distribute"}},
+    {"TwistInOneBond",
+     {[] {
+       FibreInput f = spaced(T);
+       for (std::size_t k = 10; k < 30; ++k) f.orientation[k] = rotation({1.5, 0, 0});
+       return f;
+     }()},
+     {"segments 9 and 10", "twisted by 85.9 degrees", "one frame along the fibre"}},
+    {"OpenFibreClosed",
+     {spaced(T),
+      [] {
+        FibreInput f = straightFibre({0, 40, 0}, {1, 0, 0}, 20);
+        f.closed = true;
+        return f;
+      }()},
+     {"fibre 1, segments 19 and 0", "does not lie beside its first", "fibre_closed"}},
+    {"NotPeriodic",
+     {[] {
+       FibreInput f = straightFibre({-1000, 0, 0}, {1, 0, 0}, 30);
+       f.closed = true;
+       for (std::size_t k = 0; k < 30; ++k)
+         f.position[k].x = -1000 + static_cast<double>(k) * 2000 / 30;
+       return f;
+     }()},
+     {"strain +39", "-fibre_segment_length 66.667"}},
+};
+
+class Starts : public testing::TestWithParam<std::tuple<Start, int>> {};
+
+TEST_P(Starts, ThatCannotBeMeantAreRefusedWithTheCause) {
+  const auto& [c, ranks] = GetParam();
+  const Folder folder;
+  writeState(folder / "in.h5", c.fibres);
+  auto fragments = c.fragments;
+  fragments.push_back("-start_unchecked");
+  expectRefused(run(folder, start + "-pair none -ts_max_steps 2", ranks), fragments);
+}
+
+INSTANTIATE_TEST_SUITE_P(Robust, Starts,
+                         testing::Combine(testing::ValuesIn(refused), testing::Values(1, 3)),
+                         [](const testing::TestParamInfo<Starts::ParamType>& info) {
+                           return std::get<0>(info.param).name + "On" +
+                                  std::to_string(std::get<1>(info.param));
+                         });
+
+TEST(StartCheck, SaysTheSameOnAnyNumberOfRanks) {
+  for (const Start& c : {refused[5], refused[9], refused[14], refused[17]}) {
+    const Folder folder;
+    writeState(folder / "in.h5", c.fibres);
+    const std::string options = start + "-pair none -ts_max_steps 2";
+    const std::string alone = run(folder, options, 1).output;
+    for (const int ranks : {2, 5}) EXPECT_EQ(run(folder, options, ranks).output, alone);
+  }
+}
+
+TEST(StartCheck, UncheckedStartsRunWithAWarning) {
+  const Folder folder;
+  writeState(folder / "in.h5", {spaced(1.08 * T, 12)});
+  const Outcome outcome = run(folder, start + "-pair none -ts_max_steps 2 -start_unchecked");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(warnings(outcome), 1u) << outcome.output;
+  EXPECT_NE(outcome.output.find("strain +8.0 %"), std::string::npos) << outcome.output;
+}
+
+TEST(StartCheck, AnEvaluationTakesWhatItIsGivenAndWarns) {
+  const Folder folder;
+  writeState(folder / "in.h5", {spaced(1.5 * T, 12)});
+  const Outcome outcome =
+      run(folder, start + "-pair none -ts_max_steps 0 -energy_monitor ascii:e.csv", 3);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(warnings(outcome), 1u) << outcome.output;
+  EXPECT_NE(outcome.output.find("strain +50 %"), std::string::npos) << outcome.output;
+  // B1/2 (T/2)^2 for each of 11 bonds.
+  EXPECT_NEAR(readCsv(folder / "e.csv")["stretch"][0], 11 * 0.5 * 67.59 * 6.78 * 6.78, 2);
+}
+
+TEST(StartCheck, BetweenOneAndFivePercentItWarnsOnce) {
+  const Folder folder;
+  writeState(folder / "in.h5", {spaced(1.03 * T, 12), straightFibre({0, 40, 0}, {1, 0, 0}, 12)});
+  const Outcome outcome = run(folder, start + "-ts_max_steps 1", 3);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(warnings(outcome), 1u) << outcome.output;
+  EXPECT_NE(outcome.output.find("strain +3.0 %); 11 of 22 bonds are beyond 1 %"), std::string::npos)
+      << outcome.output;
+}
+
+TEST(StartCheck, FilesThatAreMeantPassWithoutAWord) {
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {ring(40), straightFibre({100, 100, 100}, {3, -1, 2}, 30), spaced(1.005 * T)});
+  expectSilent(run(folder, start + "-pair_allow_overlap -ts_max_steps 0", 2));
+}
+
+TEST(StartCheck, WhatAnOptionAsksForPassesWithoutAWord) {
+  const Folder folder;
+  const std::string fibre = "-scene fibre -pair none -ts_max_steps 0 -fibre_segments 12 ";
+  for (const char* wish :
+       {"-fibre_strain 0.3", "-fibre_twist 20", "-fibre_bend 9", "-fibre_strain -0.2",
+        "-fibre_closed -fibre_bend 6.283185307179586",
+        "-fibre_closed -fibre_strain 0.1 -domain_lower 0,-90,-90 -domain_upper 178.992,90,90 "
+        "-domain_periodic 1,0,0"})
+    expectSilent(run(folder, fibre + wish));
+  for (const char* weave :
+       {"-weave_fibres 4,4 -weave_segments 24", "-weave_fibres 6,6 -weave_segments 18",
+        "-weave_periodic -weave_fibres 4,4 -weave_segments 44"})
+    expectSilent(run(folder, std::string("-scene weave -ts_max_steps 0 ") + weave));
+}
+
+TEST(StartCheck, AStraightFibreDoesNotClose) {
+  const Folder folder;
+  expectRefused(run(folder, "-scene fibre -fibre_closed -fibre_segments 60 -ts_max_steps 5"),
+                {"fibre 0, segments 59 and 0", "-fibre_closed", "-fibre_bend"});
+}
+
+TEST(StartCheck, AMaskOfClosedFibresIsRefused) {
+  const Folder folder;
+  writeState(folder / "in.h5", {spaced(T, 12), spaced(T, 12), spaced(T, 12)});
+  setDataset(folder / "in.h5", "fibre_closed", {0, 1, 0}, 1);
+  expectRefused(run(folder, start + "-ts_max_steps 0", 3), {"fibre_closed", "mask", "ids"});
+}
+
+TEST(StartCheck, AMaskOfTrueAndFalseIsRefused) {
+  const Folder folder;
+  writeState(folder / "in.h5", {spaced(T, 12), spaced(T, 12)});
+  {
+    // As h5py writes numpy's bool.
+    h5::Handle type(H5Tenum_create(H5T_STD_I8LE), H5Tclose);
+    for (const std::int8_t value : {std::int8_t{0}, std::int8_t{1}})
+      H5Tenum_insert(type, value ? "TRUE" : "FALSE", &value);
+    h5::Handle file(H5Fopen((folder / "in.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    const hsize_t rows = 2;
+    h5::Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+    h5::Handle set(
+        H5Dcreate2(file, "state/fibre_closed", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
+    const std::int8_t mask[2] = {0, 1};
+    H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, mask);
+  }
+  expectRefused(run(folder, start + "-ts_max_steps 0"), {"fibre_closed", "True and False"});
+}
+
+/// p.h5: a periodic weave, run for a while, so that segments have crossed the boundary.
+void periodicWeave(const Folder& folder) {
+  ASSERT_EQ(run(folder,
+                "-scene weave -weave_periodic -weave_fibres 4,4 -weave_segments 44 "
+                "-scene_perturb 0.2 -ts_max_steps 100 -progress_interval 0 -state_output p.h5")
+                .status,
+            0);
+}
+
+TEST(StartCheck, AClosedFibreIsNotCutByOpeningItsDirection) {
+  const Folder folder;
+  periodicWeave(folder);
+  for (const int ranks : {1, 3})
+    expectRefused(run(folder,
+                      "-scene file -scene_file p.h5 -domain_periodic 0,1,0 -ts_max_steps 5 "
+                      "-progress_interval 0",
+                      ranks),
+                  {"segments 43 and 0", "boundary along x, which is open", "fibre_closed"});
+  expectSilent(run(folder, "-scene file -scene_file p.h5 -ts_max_steps 5 -progress_interval 0"));
+}
+
+TEST(StartCheck, FibresOfAnOpenedDirectionAreWholeAndDrawnWhereTheyAre) {
+  const Folder folder;
+  periodicWeave(folder);
+  const Outcome outcome = run(folder,
+                              "-scene file -scene_file p.h5 -domain_periodic 0,1,0 -ts_max_steps 0 "
+                              "-snapshot_file s");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const auto held = readVectors(folder / "s_0000000000.h5", "state/position"),
+             drawn = readVectors(folder / "s_0000000000.h5", "mesh/points");
+  ASSERT_EQ(held.size(), 8 * 44u);
+  double largest = 0, longest = 0;
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    largest = std::max(largest, std::abs(held[k].x - drawn[k].x));
+    if (k % 44 > 0) longest = std::max(longest, std::abs(held[k].x - held[k - 1].x));
+  }
+  EXPECT_LT(largest, 1e-3);
+  EXPECT_LT(longest, 1.1 * T);
+}
+
+TEST(StartCheck, FibresOfAnOpenedDirectionMayBeCut) {
+  const Folder folder;
+  periodicWeave(folder);
+  // Fibres 0 to 3 run along x. What an outsider would write: the same poses and images, and the
+  // bonds that closed those fibres broken.
+  const auto x = readVectors(folder / "p.h5", "state/position");
+  const auto q = readOrientations(folder / "p.h5");
+  std::vector<FibreInput> fibres(8);
+  std::vector<double> broken(x.size(), 0.0);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    fibres[k / 44].position.push_back(x[k]);
+    fibres[k / 44].orientation.push_back(q[k]);
+    if (k < 4 * 44 && k % 44 == 43) broken[k] = 1;
+  }
+  for (FibreInput& f : fibres) f.closed = true;
+  const auto points = readDataset(folder / "p.h5", "state/image");
+  BoxInput box;
+  const std::string options = "-scene file -ts_max_steps 3 -progress_interval 0 -scene_file ";
+  {
+    h5::Handle file(H5Fopen((folder / "p.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    h5::Handle group(H5Gopen2(file, "state", H5P_DEFAULT), H5Gclose);
+    const auto lower = *h5::readReals(group, "lower"), upper = *h5::readReals(group, "upper");
+    std::copy_n(lower.begin(), 3, box.lower.begin());
+    std::copy_n(upper.begin(), 3, box.upper.begin());
+    box.periodic = {true, true, false};
+  }
+  writeState(folder / "cut.h5", fibres, box);
+  setDataset(folder / "cut.h5", "bond_broken", broken, 1);
+  setDataset(folder / "cut.h5", "image", points, 3);
+  expectSilent(run(folder, options + "cut.h5 -domain_periodic 0,1,0", 2));
+}
+
+TEST(StartCheck, AStateThatWasPulledStartsTheNextStage) {
+  const Folder folder;
+  ASSERT_EQ(run(folder,
+                "-scene fibre -fibre_segments 12 -fibre_strain 0.2 -pair none -ts_max_steps 2 "
+                "-progress_interval 0 -state_output pulled.h5")
+                .status,
+            0);
+  expectSilent(run(folder,
+                   "-scene file -scene_file pulled.h5 -pair none -ts_max_steps 2 "
+                   "-progress_interval 0"));
+  // Other segments are another matter.
+  expectRefused(run(folder,
+                    "-scene file -scene_file pulled.h5 -pair none -ts_max_steps 2 "
+                    "-fibre_segment_length 6.78"),
+                {"strain +140 %"});
+}
+
+TEST(Contacts, ThatAreTooDeepWarnOnce) {
+  const Folder folder;
+  // Two crossing fibres whose axes are 1.8 rf apart, a fifth of a radius less than their walls.
+  writeState(folder / "in.h5", {straightFibre({-6 * T, 0, 0}, {1, 0, 0}, 13),
+                                straightFibre({0, -4 * T, 1.8 * 6.78}, {0, 1, 0}, 9)});
+  for (const int ranks : {1, 3}) {
+    const Outcome outcome =
+        run(folder, start + "-pair_allow_overlap -ts_dt 5 -ts_max_steps 300", ranks);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(warnings(outcome), 1u) << outcome.output;
+    EXPECT_NE(
+        outcome.output.find("warning: step 0: fibre 0 segment 6 and fibre 1 segment 4 overlap "
+                            "by 20 % of a radius"),
+        std::string::npos)
+        << outcome.output;
+  }
+}
+
+TEST(Threads, FewerThanAskedGiveTheSameBytes) {
+  const Folder folder;
+  const std::string options =
+      "-weave_fibres 4,4 -weave_segments 24 -ts_max_steps 150 -damping_local 0.2 "
+      "-progress_interval 0 -snapshot_interval 100 ";
+  auto outputs = [](const std::string& name) {
+    return "-energy_monitor ascii:" + name + ".csv -state_output " + name + ".h5 -snapshot_file " +
+           name;
+  };
+  ASSERT_EQ(run(folder, options + outputs("full"), 1, 3).status, 0);
+  const std::pair<const char*, const char*> limits[] = {{"OMP_THREAD_LIMIT", "1"},
+                                                        {"OMP_THREAD_LIMIT", "2"},
+                                                        {"OMP_MAX_ACTIVE_LEVELS", "0"},
+                                                        {"OMP_DYNAMIC", "true"}};
+  for (const auto& [name, value] : limits) {
+    setenv(name, value, 1);
+    const Outcome outcome = run(folder, options + outputs("few"), 1, 3);
+    unsetenv(name);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    if (name != std::string("OMP_DYNAMIC")) {
+      EXPECT_NE(outcome.output.find("3 threads asked, the runtime gives"), std::string::npos)
+          << outcome.output;
+    }
+    for (const char* file : {".csv", ".h5", "_0000000100.h5"})
+      EXPECT_EQ(readFile(folder / ("few" + std::string(file))),
+                readFile(folder / ("full" + std::string(file))))
+          << name << "=" << value << ": " << file;
+    for (const char* file : {".csv", ".h5", "_0000000000.h5", "_0000000100.h5", ".xdmf"})
+      std::filesystem::remove(folder / ("few" + std::string(file)));
+  }
+}
+
+}  // namespace
