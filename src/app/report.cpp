@@ -73,14 +73,40 @@ void Simulation::printHeader() const {
   if (fire_)
     PetscPrintf(comm_, "  relaxation by FIRE, step at most %.4g %s; time is no physical time\n",
                 fire_->longest(), units_.time);
+  if (boundaries_.tensionGoesOn())
+    PetscPrintf(
+        comm_,
+        "  tension goes on from strain %.5g of an earlier stage: gage %.5g %s, width %.5g %s\n",
+        boundaries_.tension()->before, boundaries_.tension()->gage, units_.length,
+        boundaries_.tension()->width, units_.length);
   for (const std::string& warning : startWarnings_)
     PetscPrintf(comm_, "  warning: %s\n", warning.c_str());
-  if (restartHeader_)
-    PetscPrintf(comm_, "  restart from %s at step %lld\n", settings_.restart.c_str(),
-                static_cast<long long>(state_->step));
-  if (restartHeader_ && atEnd())
-    PetscPrintf(comm_,
-                "  nothing to do: the checkpoint is at or beyond the end that the options set\n");
+  if (restartHeader_) printRestart();
+}
+
+void Simulation::printRestart() const {
+  const RunRecord& old = restartHeader_->run;
+  PetscPrintf(comm_, "  restart from %s at step %lld\n", restart_.c_str(),
+              static_cast<long long>(state_->step));
+  if (const std::string version = provenanceOf(old).version; version != provenance_.version)
+    PetscPrintf(comm_, "  notice: nanoweft %s wrote the checkpoint, this is %s\n", version.c_str(),
+                provenance_.version.c_str());
+  if (stepIsNew_)
+    PetscPrintf(comm_, "  notice: time step changed from %.10g to %.10g %s at this restart\n",
+                fire_ ? old.needReals("fire", 3)[1] : old.needReals("time_step", 1)[0],
+                *settings_.dt, units_.time);
+  if (const std::string end = endReached(); !end.empty())
+    PetscPrintf(comm_, "  nothing to do: %s\n", end.c_str());
+}
+
+std::string Simulation::endReached() const {
+  const std::string run = "the run of " + restart_;
+  const auto step = static_cast<long long>(state_->step);
+  const auto& t = boundaries_.tension();
+  if (converged_ || balanced_) return format("%s had converged at step %lld", run.c_str(), step);
+  if (t && strain() >= t->maxStrain)
+    return format("%s had reached a strain of %.4g at step %lld", run.c_str(), strain(), step);
+  return atEnd() ? "the checkpoint is at or beyond the end that the options set" : "";
 }
 
 void Simulation::printProgress() {

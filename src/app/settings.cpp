@@ -7,6 +7,8 @@ namespace nanoweft {
 
 namespace {
 
+constexpr long most = 9000000000000000;
+
 std::optional<double> readWallTime(OptionSection& run) {
   const std::string text = run.text(
       "wall_time", "",
@@ -21,61 +23,7 @@ std::optional<double> readWallTime(OptionSection& run) {
   return seconds;
 }
 
-}  // namespace
-
-const UnitSystem& readUnits(Options& options) {
-  OptionSection s(options, "Run");
-  const std::string name =
-      s.choice("units", "nano", {"nano", "si"},
-               "A, fs, eV, amu; or m, s, J, kg; stiffnesses and stresses in GPa");
-  return name == "si" ? siUnits() : nanoUnits();
-}
-
-RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pairs) {
-  RunSettings r;
-  constexpr long most = 9000000000000000;
-  OptionSection run(options, "Run");
-  r.restart = run.text("restart", "", "go on from this checkpoint; steps and time count on");
-  r.dt = run.maybeReal(
-      "ts_dt", "20 in nano, 0.4 of the stable limit in si", units.time,
-      "time step; the longest with -relax_method fire (by default from the stable limit)",
-      positive);
-  r.unsafeStep = run.flag("ts_dt_unsafe", false, "allow a step beyond the stable limit");
-  r.limitInterval =
-      run.integer("ts_limit_interval", 20000,
-                  "steps between estimates of the stable step; 0: at the start only", 0, most);
-  r.energyAlarm = run.real("energy_alarm", 0.25, "",
-                           "end as unstable when energy out of nothing exceeds this fraction of "
-                           "what there was; 0: do not",
-                           nonNegative);
-  r.maxSteps =
-      run.maybeInteger("ts_max_steps", "none",
-                       "step number at which the run ends; 0: evaluate the start only", 0, most);
-  r.maxTime =
-      run.maybeReal("ts_max_time", "none", units.time, "time at which the run ends", nonNegative);
-  r.wallTime = readWallTime(run);
-  r.fire = run.choice("relax_method", "dynamics", {"dynamics", "fire"},
-                      "the way to rest: motion as it is, with what damping there is, or the "
-                      "minimiser FIRE") == "fire";
-  r.relaxTolerance = run.real(
-      "relax_tolerance", 0.0, "",
-      "end when the elastic energy changes by less than this fraction in an interval; 0: do not",
-      nonNegative);
-  r.relaxForce = run.real("relax_force", 0.0, units.force,
-                          "end when no segment feels a larger force, or torque over segment "
-                          "length, that nothing balances; 0: do not",
-                          nonNegative);
-  OptionSection relax(options, "Run", r.relaxTolerance > 0, "-relax_tolerance is not set");
-  r.relaxInterval =
-      relax.integer("relax_interval", 5000, "steps between checks of -relax_tolerance", 1, most);
-  r.seed = static_cast<std::uint64_t>(run.integer("seed", 1, "of all random numbers", 0, most));
-  r.perturb =
-      run.real("scene_perturb", 0.0, units.length,
-               "standard deviation of random displacements of the starting positions", nonNegative);
-  r.startUnchecked =
-      run.flag("start_unchecked", false,
-               "start even though bonds are so far from rest that it can hardly be meant");
-
+void readDamping(Options& options, const UnitSystem& units, bool pairs, RunSettings& r) {
   const std::string fireNeedsNone = "-relax_method fire brings its own damping";
   OptionSection damping(options, "Damping", !r.fire, fireNeedsNone);
   r.damping =
@@ -92,14 +40,10 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
       viscous.real("damping_viscous_angular", 0.0, angular.c_str(),
                    "viscous torque between interacting segments per difference of angular velocity",
                    nonNegative);
+}
 
-  OptionSection pair(options, "Pair forces", pairs, "-pair is none");
-  r.skin = pair.maybeReal("pair_skin", "tuned while running", units.length,
-                          "margin of the pair list", positive)
-               .value_or(0.0);
-  r.allowOverlap = pair.flag("pair_allow_overlap", false, "start even though fibres overlap");
-
-  OptionSection parallel(options, "Parallel");
+void readPartition(Options& options, RunSettings& r) {
+  OptionSection parallel = OptionSection(options, "Parallel").as(Role::run);
   const std::string kind = parallel.choice(
       "partition", "auto", {"auto", "dmda", "metis"},
       "how segments are shared among ranks: straight cuts of the cell grid, METIS on "
@@ -110,11 +54,17 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   r.partition.tolerance =
       parallel.real("partition_tolerance", 1.05, "",
                     "most work of a rank over the mean before the shares are made anew", {1.0});
-  OptionSection metis(options, "Parallel", kind != "dmda", "-partition is dmda");
+  OptionSection metis =
+      OptionSection(options, "Parallel", kind != "dmda", "-partition is dmda").as(Role::run);
   r.partition.piece = static_cast<int>(metis.integer(
       "partition_piece", 32, "segments of a fibre that METIS keeps together", 1, 1000000));
+}
 
-  OptionSection out(options, "Output");
+void readOutputs(Options& options, RunSettings& r) {
+  auto section = [&](bool active, const char* reason) {
+    return OptionSection(options, "Output", active, reason).as(Role::run);
+  };
+  OptionSection out = section(true, "");
   r.monitorInterval =
       out.integer("monitor_interval", 100, "steps between rows of the monitors", 1, most);
   r.overwrite = out.flag("overwrite", false, "replace results that another run has written");
@@ -122,18 +72,94 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
                                "wall time between progress lines; 0: none", nonNegative);
   r.snapshotFile = out.text("snapshot_file", "",
                             "path of the snapshots without ending: NAME_<step>.h5 and NAME.xdmf");
-  OptionSection snapshots(options, "Output", !r.snapshotFile.empty(), "-snapshot_file is not set");
+  OptionSection snapshots = section(!r.snapshotFile.empty(), "-snapshot_file is not set");
   r.snapshotInterval =
       snapshots.integer("snapshot_interval", 10000, "steps between snapshots", 1, most);
   r.stateOutput = out.text("state_output", "", "state file for the final state");
-  OptionSection final(options, "Output", !r.stateOutput.empty(), "-state_output is not set");
+  OptionSection final = section(!r.stateOutput.empty(), "-state_output is not set");
   r.stateForces = final.flag("state_forces", false,
                              "forces and torques (of bonds and pairs) into -state_output");
   r.checkpointFile = out.text("checkpoint_file", "", "checkpoint, replaced each time");
-  OptionSection checkpoints(options, "Output", !r.checkpointFile.empty(),
-                            "-checkpoint_file is not set");
+  OptionSection checkpoints = section(!r.checkpointFile.empty(), "-checkpoint_file is not set");
   r.checkpointInterval =
       checkpoints.integer("checkpoint_interval", 10000, "steps between checkpoints", 1, most);
+}
+
+}  // namespace
+
+const UnitSystem& readUnits(Options& options) {
+  OptionSection s(options, "Run");
+  const std::string name =
+      s.choice("units", "nano", {"nano", "si"},
+               "A, fs, eV, amu; or m, s, J, kg; stiffnesses and stresses in GPa");
+  return name == "si" ? siUnits() : nanoUnits();
+}
+
+std::string readRestart(Options& options) {
+  return OptionSection(options, "Run")
+      .as(Role::run)
+      .text("restart", "", "go on from this checkpoint; steps and time count on");
+}
+
+RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pairs) {
+  RunSettings r;
+  OptionSection run(options, "Run");
+  OptionSection free = run.as(Role::run);
+  r.dt =
+      run.as(Role::step)
+          .maybeReal(
+              "ts_dt", "20 in nano, 0.4 of the stable limit in si", units.time,
+              "time step; the longest with -relax_method fire (by default from the stable limit)",
+              positive);
+  r.fire = run.choice("relax_method", "dynamics", {"dynamics", "fire"},
+                      "the way to rest: motion as it is, with what damping there is, or the "
+                      "minimiser FIRE") == "fire";
+  // FIRE's longest step follows the estimates.
+  OptionSection steps = run.as(r.fire ? Role::result : Role::run);
+  r.unsafeStep = steps.flag("ts_dt_unsafe", false, "allow a step beyond the stable limit");
+  r.limitInterval =
+      steps.integer("ts_limit_interval", 20000,
+                    "steps between estimates of the stable step; 0: at the start only", 0, most);
+  r.energyAlarm = free.real("energy_alarm", 0.25, "",
+                            "end as unstable when energy out of nothing exceeds this fraction of "
+                            "what there was; 0: do not",
+                            nonNegative);
+  r.maxSteps =
+      free.maybeInteger("ts_max_steps", "none",
+                        "step number at which the run ends; 0: evaluate the start only", 0, most);
+  r.maxTime =
+      free.maybeReal("ts_max_time", "none", units.time, "time at which the run ends", nonNegative);
+  r.wallTime = readWallTime(free);
+  r.relaxTolerance = free.real(
+      "relax_tolerance", 0.0, "",
+      "end when the elastic energy changes by less than this fraction in an interval; 0: do not",
+      nonNegative);
+  r.relaxForce = free.real("relax_force", 0.0, units.force,
+                           "end when no segment feels a larger force, or torque over segment "
+                           "length, that nothing balances; 0: do not",
+                           nonNegative);
+  OptionSection relax =
+      OptionSection(options, "Run", r.relaxTolerance > 0, "-relax_tolerance is not set")
+          .as(Role::run);
+  r.relaxInterval =
+      relax.integer("relax_interval", 5000, "steps between checks of -relax_tolerance", 1, most);
+  r.seed = static_cast<std::uint64_t>(run.integer("seed", 1, "of all random numbers", 0, most));
+  r.perturb =
+      run.real("scene_perturb", 0.0, units.length,
+               "standard deviation of random displacements of the starting positions", nonNegative);
+  r.startUnchecked =
+      free.flag("start_unchecked", false,
+                "start even though bonds are so far from rest that it can hardly be meant");
+
+  readDamping(options, units, pairs, r);
+  OptionSection pair = OptionSection(options, "Pair forces", pairs, "-pair is none").as(Role::run);
+  r.skin = pair.maybeReal("pair_skin", "tuned while running", units.length,
+                          "margin of the pair list", positive)
+               .value_or(0.0);
+  r.allowOverlap = pair.flag("pair_allow_overlap", false, "start even though fibres overlap");
+
+  readPartition(options, r);
+  readOutputs(options, r);
   return r;
 }
 
@@ -145,10 +171,9 @@ std::optional<BreakageLaw> readBreakage(Options& options, std::uint64_t seed) {
   law.mean = s.real("break_strain_mean", 0.3, "", "mean of the bonds' critical strains", positive);
   law.deviation = s.real("break_strain_std", 0.05, "", "standard deviation of the critical strains",
                          nonNegative);
-  law.seed =
-      static_cast<std::uint64_t>(s.maybeInteger("break_seed", "that of -seed",
-                                                "seed of the critical strains", 0, 9000000000000000)
-                                     .value_or(static_cast<long>(seed)));
+  law.seed = static_cast<std::uint64_t>(
+      s.maybeInteger("break_seed", "that of -seed", "seed of the critical strains", 0, most)
+          .value_or(static_cast<long>(seed)));
   law.perFibre = s.choice("break_per", "bond", {"bond", "fibre"},
                           "one critical strain for each bond, or for each fibre") == "fibre";
   return wanted ? std::optional(law) : std::nullopt;

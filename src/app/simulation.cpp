@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "nanoweft/app/provenance.hpp"
 #include "nanoweft/app/signals.hpp"
+#include "nanoweft/base/canonical.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/log.hpp"
 #include "nanoweft/base/random.hpp"
@@ -20,21 +22,13 @@ namespace nanoweft {
 
 namespace {
 
-std::optional<StateHeader> readRestart(MPI_Comm comm, const std::string& file,
-                                       const UnitSystem& units) {
-  if (file.empty()) return std::nullopt;
-  StateHeader header = readStateHeader(comm, file);
-  if (header.units != units.name)
-    throw InputError(format("-restart %s is in units %s, the run in -units %s", file.c_str(),
-                            header.units.c_str(), units.name.c_str()));
-  return header;
-}
-
 /// What must not change from a checkpoint to its restart.
 std::vector<double> fibreFingerprint(const Fibre& f) {
   return {f.radius,       f.length,     f.mass,         f.inertia,
           f.bond.stretch, f.bond.shear, f.bond.bending, f.bond.torsion};
 }
+
+constexpr std::array accountNames{"account_damped", "account_external", "account_broken"};
 
 std::string timeColumn(const UnitSystem& units) {
   return std::string("time_") + units.time;
@@ -47,16 +41,17 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
       threads_(threads),
       threadsAsked_(threads),
       threadsAtMost_(atMost),
+      restart_(readRestart(options)),
+      restartHeader_(options.helpWanted() || restart_.empty()
+                         ? std::nullopt
+                         : std::optional(openCheckpoint(comm, restart_, options))),
       units_(readUnits(options)),
       fibre_(readFibre(options, units_)),
       pairLaw_(readPairForce(options, units_, fibre_)),
       settings_(readRunSettings(options, units_, pairLaw_ != nullptr)),
       wallLimit_(settings_.wallTime),
       breakage_(readBreakage(options, settings_.seed)),
-      restartHeader_(options.helpWanted() ? std::nullopt
-                                          : readRestart(comm, settings_.restart, units_)),
-      scene_(readScene(options, {units_, fibre_, comm},
-                       options.helpWanted() || !settings_.restart.empty())),
+      scene_(readScene(options, {units_, fibre_, comm}, options.helpWanted() || restartHeader_)),
       boundaries_(options, units_, fibre_),
       energyMonitor_(options, "energy_monitor", "energies through a viewer: ascii:FILE.csv, draw",
                      {timeColumn(units_), "stretch", "shear", "bending", "torsion", "pair",
@@ -92,8 +87,22 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
   if (breakage_ && pairLaw_ && pairLaw_->exclude() > mostExcludeWithBreakage)
     throw InputError(format("-pair_exclude %d: at most %d with breakage", pairLaw_->exclude(),
                             mostExcludeWithBreakage));
+  provenance_ = readProvenance(comm, options, startHeader(), restartHeader_.has_value());
+  seeNewStep(options);
   checkOutputs();
   build();
+}
+
+const StateHeader* Simulation::startHeader() const {
+  return restartHeader_ ? &*restartHeader_ : scene_->header();
+}
+
+void Simulation::seeNewStep(const Options& options) {
+  if (!restartHeader_ || !options.readings().at("ts_dt").byUser) return;
+  const RunRecord& old = restartHeader_->run;
+  // FIRE's longest step may have been shortened since it was given.
+  stepIsNew_ = settings_.fire ? provenance_.options != old.texts.at(optionsText)
+                              : old.needReals("time_step", 1)[0] != *settings_.dt;
 }
 
 void Simulation::requireRest() const {
@@ -103,20 +112,6 @@ void Simulation::requireRest() const {
     if (norm(b.velocity) > 0)
       throw InputError("-relax_method fire: -" + b.name +
                        "_velocity keeps the fibres moving, so there is no rest");
-}
-
-Provenance Simulation::provenance() const {
-  Provenance run;
-  run.program = "nanoweft";
-  run.version = NANOWEFT_VERSION;
-  if (scene_ && scene_->header()) run.input = scene_->header()->digest;
-  return run;
-}
-
-RunRecord Simulation::runTexts(const char* purpose) const {
-  RunRecord record;
-  record.texts = provenanceTexts(provenance(), purpose);
-  return record;
 }
 
 void Simulation::checkOutputs() const {
@@ -156,9 +151,10 @@ void Simulation::requireDistinctOutputs() const {
 
 ReplaceRule Simulation::replaceRule() const {
   ReplaceRule rule;
-  rule.run = provenance();
+  rule.run = provenance_;
   rule.overwrite = settings_.overwrite;
-  rule.restart = settings_.restart;
+  rule.restart = restart_;
+  rule.checkpoint = checkpointProvenance();
   if (scene_ && !scene_->file().empty()) rule.inputs = {scene_->file()};
   return rule;
 }
@@ -170,7 +166,7 @@ std::optional<Provenance> Simulation::checkpointProvenance() const {
 
 TableRun Simulation::tableRun() const {
   TableRun run;
-  run.provenance = provenance();
+  run.provenance = provenance_;
   run.checkpoint = checkpointProvenance();
   run.overwrite = settings_.overwrite;
   run.restart = restartHeader_.has_value();
@@ -186,7 +182,7 @@ Snapshots::Setting Simulation::snapshotSetting() const {
 }
 
 void Simulation::build() {
-  const StateHeader* header = restartHeader_ ? &*restartHeader_ : scene_->header();
+  const StateHeader* header = startHeader();
   const bool breaks = breakage_ || (header && header->anyBroken);
   State::Extras extras;
   extras.gap = breaks && pairLaw_;
@@ -202,10 +198,12 @@ void Simulation::build() {
   forces_ = std::make_unique<ForceField>(std::move(force), box_);
 
   auto state = std::make_unique<State>(comm_, box_, extras);
-  if (restartHeader_)
-    readStateRows(settings_.restart, *restartHeader_, *state);
-  else
+  if (restartHeader_) {
+    requireParts(*restartHeader_, {extras.gap, extras.viscous});
+    readStateRows(restart_, *restartHeader_, *state);
+  } else {
     scene_->fill(*state);
+  }
   state_ = std::move(state);
   requireWideBox(box_, 1.5 * fibre_.length, units_.length);
   // Before what else such a start would meet, so that the cause that is named is the cause.
@@ -220,18 +218,13 @@ void Simulation::build() {
   forces_->setThreads(threads_);
   if (!restartHeader_ && settings_.perturb > 0) perturb();
   const RunRecord empty;
-  boundaries_.attach(*state_, restartHeader_ ? restartHeader_->run : empty);
-  if (restartHeader_) {
-    const auto& reals = restartHeader_->run.reals;
-    if (const auto it = reals.find("fibre");
-        it != reals.end() && it->second != fibreFingerprint(fibre_))
-      throw InputError("-restart " + settings_.restart +
-                       ": its fibres have other parameters than the options say (-fibre_...)");
-    restoreAccounts();
-  }
+  const RunRecord& record = header ? header->run : empty;
+  boundaries_.attach(*state_, record, restartHeader_.has_value());
+  if (restartHeader_) goOn(record);
+  if (boundaries_.tensionGoesOn()) goOnPulling(record);
   firstStep_ = state_->step;
   firstTime_ = state_->time;
-  if (restartHeader_) good_.note(settings_.restart, firstStep_);
+  if (restartHeader_) good_.note(restart_, firstStep_);
 
   domain_ = std::make_unique<Domain>(*state_, settings_.partition);
   forces_->rebuild(*state_, *domain_);
@@ -349,7 +342,7 @@ Ending Simulation::runToEnd() {
     const LogScope log(fileEvent_);
     StateWriteOptions what;
     what.forces = settings_.stateForces;
-    writeState(settings_.stateOutput, *state_, units_, runRecord("final"), what);
+    writeState(settings_.stateOutput, *state_, units_, runRecord(finalPurpose), what);
   }
   energyMonitor_.sync();
   stressMonitor_.sync();
@@ -510,40 +503,71 @@ void Simulation::record() {
 
 void Simulation::writeSnapshot() {
   const LogScope log(fileEvent_);
-  snapshots_->write(*state_, units_, runTexts("snapshot"),
+  snapshots_->write(*state_, units_, stageRecord(snapshotPurpose),
                     segmentFields(*state_, *domain_, *forces_));
 }
 
-RunRecord Simulation::runRecord(const char* purpose) const {
-  RunRecord record = runTexts(purpose);
-  ExactSum sums[3] = {accounts_.damped, accounts_.external, accounts_.broken};
-  ExactSum::reduce(sums, 3, comm_);
-  const char* names[3] = {"account_damped", "account_external", "account_broken"};
-  for (int k = 0; k < 3; ++k)
-    record.integers[names[k]] = std::vector<std::int64_t>(sums[k].data(), sums[k].data() + 3);
-  record.reals["relax_elastic"] = {lastElastic_};
+void Simulation::goOnPulling(const RunRecord& record) {
+  strength_ = record.needReals("tension_strength", 1)[0];
+  const Tension& t = *boundaries_.tension();
+  if (t.before >= t.maxStrain && !evaluatesOnly())
+    throw InputError(
+        format("-tension_max_strain %g: the tension test that %s carries has reached a strain of "
+               "%g; give a larger one, or start a test of its own with -tension_new",
+               t.maxStrain, record.source.c_str(), t.before));
+}
+
+RunRecord Simulation::stageRecord(const char* purpose) const {
+  RunRecord record;
+  record.texts = provenanceTexts(provenance_, purpose);
+  boundaries_.save(record, state_->time);
   record.reals["tension_strength"] = {strength_};
-  record.reals["fibre"] = fibreFingerprint(fibre_);
-  boundaries_.save(record);
-  if (defaultStep_) record.reals["default_step"] = {*defaultStep_};
-  if (fire_) fire_->save(record);
   return record;
 }
 
-void Simulation::restoreAccounts() {
-  const RunRecord& record = restartHeader_->run;
-  const char* names[3] = {"account_damped", "account_external", "account_broken"};
+RunRecord Simulation::runRecord(const char* purpose) const {
+  RunRecord record = stageRecord(purpose);
+  ExactSum sums[3] = {accounts_.damped, accounts_.external, accounts_.broken};
+  ExactSum::reduce(sums, 3, comm_);
+  for (std::size_t k = 0; k < 3; ++k)
+    record.integers[accountNames[k]] =
+        std::vector<std::int64_t>(sums[k].data(), sums[k].data() + 3);
+  record.reals["relax_elastic"] = {lastElastic_, static_cast<double>(settings_.relaxInterval)};
+  record.reals["fibre"] = fibreFingerprint(fibre_);
+  record.reals["time_step"] = {verlet_->dt()};
+  if (defaultStep_) record.reals["default_step"] = {*defaultStep_};
+  if (fire_) fire_->save(record);
+  if (converged_)
+    record.reals["ended_by_relax_tolerance"] = {settings_.relaxTolerance,
+                                                static_cast<double>(settings_.relaxInterval)};
+  if (balanced_) record.reals["ended_by_relax_force"] = {settings_.relaxForce};
+  return record;
+}
+
+void Simulation::goOn(const RunRecord& record) {
+  if (record.needReals("fibre", 8) != fibreFingerprint(fibre_))
+    throw InputError("-restart " + restart_ +
+                     ": its fibres have other parameters than the options say (-fibre_...)");
+  if (restartHeader_->units != units_.name)
+    throw InputError(format("-restart %s: it is in units %s, its options in %s", restart_.c_str(),
+                            restartHeader_->units.c_str(), units_.name.c_str()));
   ExactSum* sums[3] = {&accounts_.damped, &accounts_.external, &accounts_.broken};
-  for (int k = 0; k < 3; ++k)
-    if (const auto it = record.integers.find(names[k]);
-        state_->rank() == 0 && it != record.integers.end() && it->second.size() == 3)
-      std::copy(it->second.begin(), it->second.end(), sums[k]->data());
-  auto real = [&](const char* name, double& value) {
-    if (const auto it = record.reals.find(name); it != record.reals.end() && it->second.size() == 1)
-      value = it->second[0];
-  };
-  real("relax_elastic", lastElastic_);
-  if (record.reals.contains("tension")) real("tension_strength", strength_);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& account = record.needIntegers(accountNames[k], 3);
+    if (state_->rank() == 0) std::ranges::copy(account, sums[k]->data());
+  }
+  strength_ = record.needReals("tension_strength", 1)[0];
+  const auto& elastic = record.needReals("relax_elastic", 2);
+  const auto interval = static_cast<double>(settings_.relaxInterval);
+  // Energies are compared that lie an interval apart.
+  if (elastic[1] == interval) lastElastic_ = elastic[0];
+  // A run that was over is over, unless more is asked of it now.
+  if (record.reals.contains("ended_by_relax_tolerance")) {
+    const auto& end = record.needReals("ended_by_relax_tolerance", 2);
+    converged_ = end[0] <= settings_.relaxTolerance && end[1] == interval;
+  }
+  if (record.reals.contains("ended_by_relax_force"))
+    balanced_ = record.needReals("ended_by_relax_force", 1)[0] <= settings_.relaxForce;
 }
 
 void Simulation::writeCheckpoint(const std::string& file) {
@@ -552,7 +576,7 @@ void Simulation::writeCheckpoint(const std::string& file) {
   // What a restart expects of the tables is safe before the checkpoint is.
   energyMonitor_.sync();
   stressMonitor_.sync();
-  writeState(file, *state_, units_, runRecord("checkpoint"));
+  writeState(file, *state_, units_, runRecord(checkpointPurpose));
   wallLimit_.checkpointTook(secondsSinceStart() - begin);
   lastCheckpoint_ = state_->step;
   good_.note(file, state_->step);

@@ -24,10 +24,8 @@ double Simulation::defaultStep() {
     return fireMargin * std::min(stable, bundleStepLimit(fibre_, forces_->pair()));
   if (units_.name == "nano") return 20.0;
   // A restart keeps the step that was chosen at the start.
-  if (restartHeader_)
-    if (const auto it = restartHeader_->run.reals.find("default_step");
-        it != restartHeader_->run.reals.end() && it->second.size() == 1)
-      return *(defaultStep_ = it->second[0]);
+  if (restartHeader_ && restartHeader_->run.reals.contains("default_step"))
+    return *(defaultStep_ = restartHeader_->run.needReals("default_step", 1)[0]);
   if (!evaluatesOnly()) defaultStep_ = 0.4 * stable;
   return 0.4 * stable;
 }
@@ -45,8 +43,10 @@ void Simulation::chooseStep() {
   verlet_.emplace(dt, settings_.damping);
   if (!settings_.fire) return;
   fire_.emplace(fibre_, dt);
-  if (restartHeader_ && fire_->restore(restartHeader_->run) && settings_.dt)
-    fire_->limit(*settings_.dt);
+  if (restartHeader_) {
+    fire_->restore(restartHeader_->run);
+    if (stepIsNew_) fire_->setLongest(*settings_.dt);
+  }
   verlet_.emplace(fire_->dt(), 0.0);
 }
 

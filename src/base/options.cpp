@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <sstream>
 #include <string_view>
 
+#include "nanoweft/base/canonical.hpp"
 #include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
@@ -114,11 +116,14 @@ double parseReal(const std::string& name, const std::string& text) {
   return value;
 }
 
-long parseInteger(const std::string& name, const std::string& text) {
-  const double value = parseReal(name, text);  // so that 1e6 may be written for a step count
-  if (value != std::floor(value) || std::abs(value) > 9e15)
+long parseInteger(const std::string& name, const std::string& text, long lower, long upper) {
+  const double real = parseReal(name, text);  // so that 1e6 may be written for a step count
+  if (real != std::floor(real) || std::abs(real) > 9e15)
     throw InputError(format("-%s '%s': expected a whole number", name.c_str(), text.c_str()));
-  return static_cast<long>(value);
+  const auto value = static_cast<long>(real);
+  if (value < lower || value > upper)
+    throw InputError(format("-%s %ld: must be from %ld to %ld", name.c_str(), value, lower, upper));
+  return value;
 }
 
 bool parseFlag(const std::string& name, std::string text) {
@@ -152,6 +157,35 @@ void checkBounds(const std::string& name, double value, const Bounds& bounds) {
 
 std::string shownReal(double value) {
   return format("%.10g", value);
+}
+
+std::vector<double> parseReals(const std::string& name, const std::string& text, int count) {
+  const auto parts = split(text);
+  if (static_cast<int>(parts.size()) != count)
+    throw InputError(format("-%s '%s': expected %d numbers separated by commas", name.c_str(),
+                            text.c_str(), count));
+  std::vector<double> numbers;
+  for (const std::string& part : parts) numbers.push_back(parseReal(name, part));
+  return numbers;
+}
+
+std::array<bool, 3> parseFlags3(const std::string& name, const std::string& text) {
+  const auto parts = split(text);
+  if (parts.size() != 3)
+    throw InputError(format("-%s '%s': expected three of 0 and 1 separated by commas", name.c_str(),
+                            text.c_str()));
+  return {parseFlag(name, parts[0]), parseFlag(name, parts[1]), parseFlag(name, parts[2])};
+}
+
+/// The default that -help shows, where it is a value and no description ("of the preset").
+template <class Parse>
+auto shownValue(const std::string& shown, const Parse& parse)
+    -> std::optional<decltype(parse(shown))> {
+  try {
+    return parse(shown);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -201,7 +235,53 @@ void Options::refuseUnknown() const {
       problem += format("; the nearest known one is -%s", nearest->name.c_str());
   }
   petsc(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  for (const auto& [name, value] : recorded_)
+    if (problem.empty() && !readings_.contains(name))
+      problem = format(
+          "-restart %s: it was made with -%s %s, which this nanoweft does not know; go on with the "
+          "version that wrote it",
+          checkpoint_.c_str(), name.c_str(), value.c_str());
   if (!problem.empty()) throw InputError(problem);
+}
+
+void Options::goOnFrom(const std::string& checkpoint, const std::string& recorded,
+                       const std::map<std::string, std::string>& inForce) {
+  checkpoint_ = checkpoint;
+  inForce_ = inForce;
+  std::istringstream lines(recorded);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t space = line.find(' ');
+    if (line[0] != '-' || space == std::string::npos || space < 2 || space + 1 == line.size())
+      throw InputError(format("-restart %s: '%s' in its attribute options of /run is no option",
+                              checkpoint.c_str(), line.c_str()));
+    recorded_[line.substr(1, space - 1)] = line.substr(space + 1);
+  }
+}
+
+std::optional<std::string> Options::recorded(const std::string& name) const {
+  const auto it = recorded_.find(name);
+  return it != recorded_.end() ? std::optional(it->second) : std::nullopt;
+}
+
+std::string Options::resultOptions(const std::set<std::string>& always) const {
+  std::map<std::string, std::string> values = recorded_;
+  for (const auto& [name, r] : readings_) {
+    if (r.role == Role::run) continue;
+    if (!checkpoint_.empty()) {
+      // What was in force by default and is given now as the same is nothing new.
+      const auto before = inForce_.find(name);
+      const bool same = !recorded_.contains(name) && before != inForce_.end() && r.value &&
+                        before->second == *r.value;
+      if (r.role == Role::step && r.byUser && !same) values[name] = *r.value;
+    } else if (r.value && (r.value != r.fallback || countWhenGiven_.contains(name))) {
+      values[name] = *r.value;
+    } else if (always.contains(name) && r.fallback) {
+      values[name] = r.value.value_or(*r.fallback);
+    }
+  }
+  std::string text;
+  for (const auto& [name, value] : values) text += "-" + name + " " + value + "\n";
+  return text;
 }
 
 OptionSection::OptionSection(Options& options, std::string title, bool active, std::string reason)
@@ -211,10 +291,26 @@ OptionSection::OptionSection(Options& options, std::string title, bool active, s
   options.topics_.push_back({std::move(title), {}});
 }
 
+OptionSection OptionSection::as(Role role) const {
+  OptionSection other = *this;
+  other.role_ = role;
+  return other;
+}
+
+OptionSection OptionSection::family() const {
+  OptionSection other = *this;
+  other.documented_ = false;
+  return other;
+}
+
 bool OptionSection::given(const std::string& name) const {
+  options_.countWhenGiven_.insert(name);
+  const bool old = role_ != Role::run && options_.recorded(name);
+  // In a restart a result's options are those of the checkpoint; `read` compares the user's.
+  if (!options_.checkpoint_.empty() && role_ == Role::result) return old;
   PetscBool found;
   petsc(PetscOptionsHasName(nullptr, nullptr, ("-" + name).c_str(), &found));
-  return found == PETSC_TRUE;
+  return old || found == PETSC_TRUE;
 }
 
 void OptionSection::document(const std::string& name, const char* shown, const char* unit,
@@ -224,106 +320,153 @@ void OptionSection::document(const std::string& name, const char* shown, const c
     entries.push_back({name, shown, unit, help});
 }
 
-std::optional<std::string> OptionSection::raw(const std::string& name, const std::string& shown,
-                                              const std::string& unit, const std::string& help) {
-  document(name, shown.c_str(), unit.c_str(), help.c_str());
+std::optional<std::string> OptionSection::ownText(const std::string& name) const {
   // PetscOptionsGetString would cut a long value.
   const char* value = nullptr;
   PetscBool found;
   petsc(PetscOptionsFindPair(nullptr, nullptr, ("-" + name).c_str(), &value, &found));
   if (!found) return std::nullopt;
-  if (!active_)
-    throw InputError(format("-%s is not used by this run: %s", name.c_str(), reason_.c_str()));
   return std::string(value ? value : "");
+}
+
+template <class T, class Parse>
+std::optional<T> OptionSection::read(const Question& q, const std::optional<T>& fallback,
+                                     const Parse& parse) {
+  if (documented_) document(q.name, q.shown.c_str(), q.unit.c_str(), q.help.c_str());
+  const auto own = ownText(q.name);
+  const auto old = role_ != Role::run ? options_.recorded(q.name) : std::nullopt;
+  if (!active_ && old)
+    throw InputError(format("-restart %s: it was made with -%s %s, which is not used: %s",
+                            options_.checkpoint_.c_str(), q.name.c_str(), old->c_str(),
+                            reason_.c_str()));
+  Options::Reading reading;
+  reading.role = role_;
+  reading.byUser = own.has_value();
+  std::optional<T> value;
+  if (own && active_) value = parse(*own);
+  if (value) reading.value = canonical(*value);
+  if (fallback) reading.fallback = canonical(*fallback);
+  if (own) agreeWithCheckpoint(q, *own, reading);
+  if (own && !active_)
+    throw InputError(format("-%s is not used by this run: %s", q.name.c_str(), reason_.c_str()));
+  if (!own && old) {
+    value = parse(*old);
+    reading.value = canonical(*value);
+  }
+  if (active_) options_.readings_[q.name] = reading;
+  return value;
+}
+
+void OptionSection::agreeWithCheckpoint(const Question& q, const std::string& own,
+                                        const Options::Reading& reading) const {
+  if (options_.checkpoint_.empty() || role_ != Role::result) return;
+  const auto old = options_.recorded(q.name);
+  std::string made;
+  if (old) {
+    if (reading.value == old) return;
+    made = "with " + *old;
+  } else if (!active_ || q.shown.empty() || q.shown == "none") {
+    made = "without it";
+  } else {
+    if (reading.fallback && reading.value == reading.fallback) return;
+    made = "with its default, " + q.shown;
+  }
+  throw InputError(format(
+      "-%s%s: the checkpoint %s was made %s; a restart goes on with the same (start a new stage "
+      "with -scene file -scene_file %s)",
+      q.name.c_str(), own.empty() ? "" : (" " + own).c_str(), options_.checkpoint_.c_str(),
+      made.c_str(), options_.checkpoint_.c_str()));
 }
 
 double OptionSection::real(const std::string& name, double fallback, const char* unit,
                            const char* help, Bounds bounds) {
-  return maybeReal(name, shownReal(fallback).c_str(), unit, help, bounds).value_or(fallback);
+  return read<double>({name, shownReal(fallback), unit, help}, fallback,
+                      [&](const std::string& text) {
+                        const double value = parseReal(name, text);
+                        checkBounds(name, value, bounds);
+                        return value;
+                      })
+      .value_or(fallback);
 }
 
 std::optional<double> OptionSection::maybeReal(const std::string& name, const char* shown,
                                                const char* unit, const char* help, Bounds bounds) {
-  const auto text = raw(name, shown, unit, help);
-  if (!text) return std::nullopt;
-  const double value = parseReal(name, *text);
-  checkBounds(name, value, bounds);
-  return value;
+  return read<double>({name, shown, unit, help}, std::nullopt, [&](const std::string& text) {
+    const double value = parseReal(name, text);
+    checkBounds(name, value, bounds);
+    return value;
+  });
 }
 
 long OptionSection::integer(const std::string& name, long fallback, const char* help, long lower,
                             long upper) {
-  return maybeInteger(name, std::to_string(fallback).c_str(), help, lower, upper)
+  return read<long>({name, std::to_string(fallback), "", help}, fallback,
+                    [&](const std::string& text) { return parseInteger(name, text, lower, upper); })
       .value_or(fallback);
 }
 
 std::optional<long> OptionSection::maybeInteger(const std::string& name, const char* shown,
                                                 const char* help, long lower, long upper) {
-  const auto text = raw(name, shown, "", help);
-  if (!text) return std::nullopt;
-  const long value = parseInteger(name, *text);
-  if (value < lower || value > upper)
-    throw InputError(format("-%s %ld: must be from %ld to %ld", name.c_str(), value, lower, upper));
-  return value;
+  return read<long>({name, shown, "", help}, std::nullopt, [&](const std::string& text) {
+    return parseInteger(name, text, lower, upper);
+  });
 }
 
 bool OptionSection::flag(const std::string& name, bool fallback, const char* help) {
-  const auto text = raw(name, fallback ? "true" : "false", "", help);
-  return text ? parseFlag(name, *text) : fallback;
+  return read<bool>({name, canonical(fallback), "", help}, fallback,
+                    [&](const std::string& text) { return parseFlag(name, text); })
+      .value_or(fallback);
 }
 
 std::string OptionSection::text(const std::string& name, const std::string& fallback,
                                 const char* help) {
-  const auto value = raw(name, fallback.empty() ? "none" : fallback, "", help);
-  if (value && value->empty()) throw InputError(format("-%s needs a value", name.c_str()));
-  return value.value_or(fallback);
+  return read<std::string>({name, fallback.empty() ? "none" : fallback, "", help}, fallback,
+                           [&](const std::string& text) {
+                             if (text.empty())
+                               throw InputError(format("-%s needs a value", name.c_str()));
+                             return text;
+                           })
+      .value_or(fallback);
 }
 
 std::string OptionSection::choice(const std::string& name, const std::string& fallback,
                                   const std::vector<std::string>& choices, const char* help) {
   std::string list;
   for (const std::string& c : choices) list += (list.empty() ? "" : "|") + c;
-  const std::string value = raw(name, fallback, "", help + (" (" + list + ")")).value_or(fallback);
-  if (std::ranges::find(choices, value) == choices.end())
-    throw InputError(
-        format("-%s '%s': must be one of %s", name.c_str(), value.c_str(), list.c_str()));
-  return value;
+  return read<std::string>({name, fallback, "", help + (" (" + list + ")")}, fallback,
+                           [&](const std::string& text) {
+                             if (std::ranges::find(choices, text) == choices.end())
+                               throw InputError(format("-%s '%s': must be one of %s", name.c_str(),
+                                                       text.c_str(), list.c_str()));
+                             return text;
+                           })
+      .value_or(fallback);
 }
 
 std::optional<std::vector<double>> OptionSection::reals(const std::string& name, int count,
                                                         const char* shown, const char* unit,
                                                         const char* help) {
-  const auto value = raw(name, shown, unit, help);
-  if (!value) return std::nullopt;
-  const auto parts = split(*value);
-  if (static_cast<int>(parts.size()) != count)
-    throw InputError(format("-%s '%s': expected %d numbers separated by commas", name.c_str(),
-                            value->c_str(), count));
-  std::vector<double> numbers;
-  for (const std::string& part : parts) numbers.push_back(parseReal(name, part));
-  return numbers;
+  auto parse = [&](const std::string& text) { return parseReals(name, text, count); };
+  return read<std::vector<double>>({name, shown, unit, help}, shownValue(shown, parse), parse);
 }
 
 std::optional<std::array<bool, 3>> OptionSection::flags3(const std::string& name, const char* shown,
                                                          const char* help) {
-  const auto value = raw(name, shown, "", help);
-  if (!value) return std::nullopt;
-  const auto parts = split(*value);
-  if (parts.size() != 3)
-    throw InputError(format("-%s '%s': expected three of 0 and 1 separated by commas", name.c_str(),
-                            value->c_str()));
-  return std::array{parseFlag(name, parts[0]), parseFlag(name, parts[1]),
-                    parseFlag(name, parts[2])};
+  auto parse = [&](const std::string& text) { return parseFlags3(name, text); };
+  return read<std::array<bool, 3>>({name, shown, "", help}, shownValue(shown, parse), parse);
 }
 
 std::vector<std::string> OptionSection::words(const std::string& name, const char* help) {
-  const auto value = raw(name, "none", "", help);
-  if (!value) return {};
-  auto parts = split(*value);
-  for (const std::string& part : parts)
-    if (part.empty())
-      throw InputError(format("-%s '%s': an empty name", name.c_str(), value->c_str()));
-  return parts;
+  return read<std::vector<std::string>>(
+             {name, "none", "", help}, std::nullopt,
+             [&](const std::string& text) {
+               auto parts = split(text);
+               for (const std::string& part : parts)
+                 if (part.empty())
+                   throw InputError(format("-%s '%s': an empty name", name.c_str(), text.c_str()));
+               return parts;
+             })
+      .value_or(std::vector<std::string>());
 }
 
 }  // namespace nanoweft

@@ -33,6 +33,11 @@ void Fire::limit(double dt) {
   dt_ = std::min(dt_, longest_);
 }
 
+void Fire::setLongest(double dt) {
+  longest_ = dt;
+  dt_ = std::min(dt_, longest_);
+}
+
 void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundaries,
                  EnergyAccounts& accounts) {
   const double mass = forces.fibre().mass, inertia = forces.fibre().inertia;
@@ -109,17 +114,12 @@ void Fire::save(RunRecord& record) const {
   record.integers["fire_downhill"] = {downhill_};
 }
 
-bool Fire::restore(const RunRecord& record) {
-  const auto reals = record.reals.find("fire");
-  const auto count = record.integers.find("fire_downhill");
-  if (reals == record.reals.end() || reals->second.size() != 3 || count == record.integers.end() ||
-      count->second.size() != 1)
-    return false;
-  dt_ = reals->second[0];
-  longest_ = reals->second[1];
-  mixing_ = reals->second[2];
-  downhill_ = count->second[0];
-  return true;
+void Fire::restore(const RunRecord& record) {
+  const auto& reals = record.needReals("fire", 3);
+  dt_ = reals[0];
+  longest_ = reals[1];
+  mixing_ = reals[2];
+  downhill_ = record.needIntegers("fire_downhill", 1)[0];
 }
 
 }  // namespace nanoweft

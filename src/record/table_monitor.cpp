@@ -51,7 +51,7 @@ TableMonitor::TableMonitor(Options& options, std::string option, const char* hel
       columns_(std::move(columns)),
       abscissa_(abscissa),
       curves_(std::move(curves)) {
-  OptionSection s(options, "Output");
+  OptionSection s = OptionSection(options, "Output").as(Role::run);
   s.document(option_, "none", "", help);
   wanted_ = s.given(option_);
 }

@@ -30,7 +30,9 @@ class FileScene final : public Scene {
 
 std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active,
                                      bool optionsAllowed) {
-  OptionSection s(options, "Scene", optionsAllowed, "-scene is not file");
+  // What the file holds is part of the results' provenance, its name is not.
+  OptionSection s =
+      OptionSection(options, "Scene", optionsAllowed, "-scene is not file").as(Role::run);
   const std::string file = s.text("scene_file", "", "state file to start from (-scene file)");
   const bool edited = s.flag(
       "scene_file_edited", false,

@@ -28,8 +28,8 @@ std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, 
   std::unique_ptr<Scene> result;
   for (const Entry& e : scenes) {
     const bool active = chosen == e.name;
-    // A restart ignores the scene, so that the options of the first run can be given again.
-    auto scene = e.make(options, context, active && !restarting, active || restarting);
+    // A restart makes no scene, but its options are those of the first piece.
+    auto scene = e.make(options, context, active && !restarting, active);
     if (scene) result = std::move(scene);
   }
   return result;

@@ -72,6 +72,7 @@ std::string problemOfOwner(const std::string& file, const ReplaceRule& rule) {
   const std::string remedy = "; remove it, choose another name, or give -overwrite";
   if (!found.byProgram)
     return "will not replace " + file + ": no run of this program wrote it" + remedy;
+  if (rule.checkpoint && found.run.sameRun(*rule.checkpoint)) return "";
   const std::string difference = differenceOfRuns(found.run, rule.run);
   if (difference.empty()) return "";
   return "will not replace " + file + ": another run wrote it (" + difference + ")" + remedy;

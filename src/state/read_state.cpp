@@ -24,6 +24,21 @@ std::string problemIn(const std::function<void()>& work) {
   }
 }
 
+/// Names of the datasets in a group that something was written to.
+std::set<std::string> namesOfParts(hid_t group) {
+  std::set<std::string> names;
+  auto note = [](hid_t g, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    h5::Handle set(H5Dopen2(g, name, H5P_DEFAULT), H5Dclose);
+    H5D_space_status_t status = H5D_SPACE_STATUS_NOT_ALLOCATED;
+    if (set.valid()) H5Dget_space_status(set, &status);
+    if (status != H5D_SPACE_STATUS_NOT_ALLOCATED)
+      static_cast<std::set<std::string>*>(out)->insert(name);
+    return 0;
+  };
+  H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, note, &names);
+  return names;
+}
+
 /// Reads rows of a dataset of /state; leaves `values` empty when it is missing.
 template <class T>
 void readRows(const OpenState& file, const h5::Expected& expected, const RowBlock& block,
@@ -75,8 +90,15 @@ StateHeader readHeader(const OpenState& file) {
     header.box.periodic[d] = (*periodic)[d] != 0;
   }
   header.units = *units;
-  if (auto step = h5::readIntegers(group, "step"); step && !step->empty()) header.step = (*step)[0];
-  if (auto time = h5::readReals(group, "time"); time && !time->empty()) header.time = (*time)[0];
+  header.parts = namesOfParts(group);
+  if (auto step = h5::readIntegers(group, "step"); step && !step->empty()) {
+    header.step = (*step)[0];
+    header.parts.insert("step");
+  }
+  if (auto time = h5::readReals(group, "time"); time && !time->empty()) {
+    header.time = (*time)[0];
+    header.parts.insert("time");
+  }
   if (file.hasRecord()) header.run = readRecord(file);
   header.identity = file.identity();
   return header;
@@ -328,6 +350,7 @@ StateHeader readStateHeader(MPI_Comm comm, const std::string& name, Trust trust)
   MPI_Allreduce(MPI_IN_PLACE, &broken, 1, MPI_INT, MPI_MAX, comm);
   header.anyBroken = broken != 0;
   header.digest = digest;
+  header.run.source = name;
   return header;
 }
 

@@ -14,8 +14,6 @@
 namespace nanoweft {
 
 struct RunSettings {
-  std::string restart;  ///< checkpoint to go on from; empty: a new run
-
   std::optional<double> dt;
   bool unsafeStep = false;
   long limitInterval = 20000;  ///< 0: the stable step is estimated at the start only
@@ -45,7 +43,10 @@ struct RunSettings {
   bool overwrite = false;  ///< results of other runs may be replaced
 };
 
-/// Reads -units first, since all others depend on it.
+/// Reads -restart, the checkpoint to go on from (empty: a new run). To be read before all others,
+/// since it brings options along.
+std::string readRestart(Options& options);
+/// Reads -units next, since all others depend on it.
 const UnitSystem& readUnits(Options& options);
 RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pairs);
 /// Breakage is on when any of its options is given.

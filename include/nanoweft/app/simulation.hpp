@@ -8,6 +8,7 @@
 #include "nanoweft/app/settings.hpp"
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/options.hpp"
+#include "nanoweft/base/provenance.hpp"
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
 #include "nanoweft/motion/boundary.hpp"
@@ -33,6 +34,8 @@ class Simulation {
   /// With -help there is nothing to run.
   bool runnable() const { return state_ != nullptr; }
   Ending run();
+  /// Where the run's results come from.
+  const Provenance& provenance() const { return provenance_; }
 
  private:
   /// With fewer segments a thread waits longer for the others than it works.
@@ -58,6 +61,10 @@ class Simulation {
 
   /// Throws InputError when something keeps moving.
   void requireRest() const;
+  /// Of the file that the state comes from, or null.
+  const StateHeader* startHeader() const;
+  /// Does a restart go on with another time step?
+  void seeNewStep(const Options& options);
   void checkOutputs() const;
   /// Throws InputError when two outputs are one file.
   void requireDistinctOutputs() const;
@@ -84,18 +91,23 @@ class Simulation {
   bool atEnd() const;
   /// At its end, or at rest.
   bool over() const { return atEnd() || converged_ || balanced_; }
+  /// What there is to say of the checkpoint's run where it needs no step more.
+  std::string endReached() const;
   bool due(long interval) const { return state_->step % interval == 0; }
 
-  /// Where the results of this run come from.
-  Provenance provenance() const;
-  /// What a file of this run says of it; `purpose`: checkpoint, final or snapshot.
-  RunRecord runTexts(const char* purpose) const;
+  /// What any state file of this run says of it.
+  RunRecord stageRecord(const char* purpose) const;
+  /// What a run needs to go on from a checkpoint, besides. Collective.
   RunRecord runRecord(const char* purpose) const;
+  /// Takes up what the checkpoint's record says. Throws InputError for what is missing.
+  void goOn(const RunRecord& record);
+  /// Takes up a tension test of an earlier stage. Throws InputError when there is nothing left to
+  /// pull.
+  void goOnPulling(const RunRecord& record);
   std::optional<Provenance> checkpointProvenance() const;
   ReplaceRule replaceRule() const;
   TableRun tableRun() const;
   Snapshots::Setting snapshotSetting() const;
-  void restoreAccounts();
   void writeCheckpoint(const std::string& file);
 
   double defaultStep();
@@ -109,6 +121,7 @@ class Simulation {
   [[noreturn]] void reportInstability(const std::string& sign);
 
   void printHeader() const;
+  void printRestart() const;
   void printProgress();
   void printSummary() const;
   void printDampingShare() const;
@@ -117,17 +130,19 @@ class Simulation {
   MPI_Comm comm_;
   int threads_, threadsAsked_;  ///< the team that the runtime gives, and the one asked for
   bool threadsAtMost_;
+  std::string restart_;  ///< checkpoint that the run goes on from; empty: a new run
+  std::optional<StateHeader> restartHeader_;
   const UnitSystem& units_;
   Fibre fibre_;
   std::unique_ptr<PairForce> pairLaw_;
   RunSettings settings_;
   WallLimit wallLimit_;
   std::optional<BreakageLaw> breakage_;
-  std::optional<StateHeader> restartHeader_;
   std::unique_ptr<Scene> scene_;
   Boundaries boundaries_;
   TableMonitor energyMonitor_, stressMonitor_;
   Box box_;
+  Provenance provenance_;
 
   std::unique_ptr<State> state_;
   std::unique_ptr<Domain> domain_;
@@ -142,6 +157,7 @@ class Simulation {
   std::vector<std::int64_t> pendingBreaks_;
   bool releasedPairs_ = false, stopAsked_ = false, timeOver_ = false, converged_ = false,
        balanced_ = false;
+  bool stepIsNew_ = false;   ///< a restart was given another time step
   double lastElastic_ = -1;  ///< at the last check of convergence
   std::int64_t lastCheckpoint_ = -1, firstStep_ = 0;
   double presentLimit_ = 0, lowestLimit_ = 0, firstLimit_ = 0, firstTime_ = 0, strength_ = 0,

@@ -44,9 +44,11 @@ struct Tension {
   double width = 0;      ///< of the fabric at the start; 0: measured
   double thickness = 0;  ///< for the stress
   double gage = 0;       ///< distance between the grips at the start
-  double start = 0;      ///< time of the start
+  double start = 0;      ///< time of the start of this stage
+  double before = 0;     ///< strain at that time, reached in earlier stages
+  bool fresh = false;    ///< a test of its own, whatever the state has gone through
 
-  /// Engineering strain at `time`: the integral of the ramped velocity.
+  /// Engineering strain at `time`: what was before, and the integral of the ramped velocity.
   double strain(double time) const;
 };
 
@@ -54,14 +56,19 @@ class Boundaries {
  public:
   Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre);
 
-  /// Finds the members of the groups and starts the clocks; what a restart's record already holds
-  /// goes on as it was. Throws InputError for a group without members.
-  void attach(State& state, const RunRecord& record);
-  void save(RunRecord& record) const;
+  /// Finds the members of the groups and starts the clocks. `record`: of the file that the state
+  /// comes from. A restart goes on as it says; a new stage goes on with its tension test alone.
+  /// Throws InputError for a group without members, for a record without what a restart needs, and
+  /// for options that contradict the test that goes on.
+  void attach(State& state, const RunRecord& record, bool restart);
+  /// Writes down what `attach` needs; `time` is the present.
+  void save(RunRecord& record, double time) const;
 
   bool any() const { return !boundaries_.empty(); }
   const std::vector<Boundary>& list() const { return boundaries_; }
   const std::optional<Tension>& tension() const { return tension_; }
+  /// Does the tension test of an earlier stage go on?
+  bool tensionGoesOn() const { return goesOn_; }
   /// Bits of the groups that something acts on.
   std::int32_t mask() const { return mask_; }
 
@@ -72,10 +79,25 @@ class Boundaries {
  private:
   void readNamed(Options& options, const UnitSystem& units);
   void readTension(Options& options, const UnitSystem& units, const Fibre& fibre);
+  void readOneNamed(Options& options, const std::string& name);
+  void attachNamed(State& state, const RunRecord& record, bool restart);
   void attachTension(State& state);
+  void restoreTension(const RunRecord& record);
+  void goOnWithTension(const RunRecord& record, double time);
+  void addGrips();
+  void countMembers(const State& state);
+
+  /// What the options say of a tension test, where they say it.
+  struct TensionOptions {
+    std::optional<int> axis;
+    std::optional<double> grip, width, thickness;
+    std::optional<std::array<double, 2>> ends;
+  };
 
   std::vector<Boundary> boundaries_;
   std::optional<Tension> tension_;
+  TensionOptions asked_;
+  bool goesOn_ = false;
   std::int32_t mask_ = 0;
 };
 

@@ -23,14 +23,16 @@ class Fire {
   double longest() const { return longest_; }
   /// Makes no step longer than this from now on.
   void limit(double dt);
+  /// Steps may be as long as this from now on.
+  void setLongest(double dt);
 
   /// To be called at the end of each step, with forces and velocities of the same time. Collective.
   void steer(State& state, const ForceField& forces, const Boundaries& boundaries,
              EnergyAccounts& accounts);
 
   void save(RunRecord& record) const;
-  /// Goes on as recorded; false when there is no record.
-  bool restore(const RunRecord& record);
+  /// Goes on as recorded. Throws InputError when something is missing.
+  void restore(const RunRecord& record);
 
  private:
   SumUnit powerUnit_, speedUnit_, forceUnit_;

@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct ReplaceRule {
   bool overwrite = false;           ///< results of other runs may be replaced
   std::vector<std::string> inputs;  ///< files that this run reads, never to be replaced
   std::string restart;              ///< checkpoint that this run goes on from; it may be replaced
+  std::optional<Provenance>
+      checkpoint;  ///< of that checkpoint, when a restart may have another step
 };
 
 /// How another run differs from this one, as in "it has -damping_local 0.3, this run 0.9"; empty

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ struct RunRecord {
   std::map<std::string, std::vector<double>> reals;
   std::map<std::string, std::vector<std::int64_t>> integers;
   std::map<std::string, std::string> texts;
+  std::string source;  ///< file that it was read from; empty: none
+
+  /// An attribute that a run cannot go on without. Throws InputError, naming file and attribute,
+  /// when it is missing or has not `count` numbers.
+  const std::vector<double>& needReals(const std::string& name, std::size_t count) const;
+  const std::vector<std::int64_t>& needIntegers(const std::string& name, std::size_t count) const;
 };
 
 struct StateHeader {
@@ -32,8 +39,9 @@ struct StateHeader {
   std::string units = "nano";
   bool anyBroken = false;  ///< some bond is broken
   RunRecord run;
-  std::string digest;     ///< SHA-256 of the whole file, as sha256sum prints it
-  FileIdentity identity;  ///< of the file that was looked at
+  std::string digest;           ///< SHA-256 of the whole file, as sha256sum prints it
+  FileIdentity identity;        ///< of the file that was looked at
+  std::set<std::string> parts;  ///< names of what /state holds: datasets with content, step, time
 };
 
 /// Whose hand a state file may come from.
