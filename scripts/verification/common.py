@@ -154,7 +154,7 @@ def simulate(name, options):
     folder = RESULTS / name
     folder.mkdir(parents=True, exist_ok=True)
     command = ["build/bin/nanoweft", *options.format(dir=folder.relative_to(ROOT)).split(),
-               "-progress_interval", "0"]
+               "-progress_interval", "0", "-overwrite"]
     environment = dict(os.environ, OMP_NUM_THREADS="1")
     done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True)
     (folder / "log.txt").write_text(" ".join(command) + "\n" + done.stdout + done.stderr)
