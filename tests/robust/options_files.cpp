@@ -188,17 +188,17 @@ TEST_P(BadFile, IsRefusedWithItsLine) {
 INSTANTIATE_TEST_SUITE_P(Options, BadFile, testing::ValuesIn(badFiles),
                          [](const auto& info) { return info.param.name; });
 
-class OnRanks : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Options, OnRanks, testing::Values(1, 3));
+class OptionFilesOnRanks : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Options, OptionFilesOnRanks, testing::Values(1, 3));
 
-TEST_P(OnRanks, StandardInputIsAFileOfOptions) {
+TEST_P(OptionFilesOnRanks, StandardInputIsAFileOfOptions) {
   const Folder folder;
   writeText(folder / "run.opts", "-scene fibre\n-fibre_segments 5\n-fibre_strain 0.01\n");
   EXPECT_EQ(energies(run(folder, "-options_file /dev/stdin" + rest + "< run.opts", GetParam())),
             wanted());
 }
 
-TEST_P(OnRanks, ANamedPipeIsAFileOfOptions) {
+TEST_P(OptionFilesOnRanks, ANamedPipeIsAFileOfOptions) {
   const Folder folder;
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   const Outcome outcome =
@@ -208,7 +208,7 @@ TEST_P(OnRanks, ANamedPipeIsAFileOfOptions) {
   EXPECT_EQ(energies(outcome), wanted());
 }
 
-TEST_P(OnRanks, YamlInAPipeIsReadToo) {
+TEST_P(OptionFilesOnRanks, YamlInAPipeIsReadToo) {
   const Folder folder;
   writeText(folder / "run.yaml", "scene: fibre\nfibre: {segments: 5, strain: 0.01}\n");
   EXPECT_EQ(
@@ -216,7 +216,7 @@ TEST_P(OnRanks, YamlInAPipeIsReadToo) {
       wanted());
 }
 
-TEST_P(OnRanks, ErrorsOfFilesComeOnce) {
+TEST_P(OptionFilesOnRanks, ErrorsOfFilesComeOnce) {
   const Folder folder;
   writeText(folder / "run.opts", "-scene fibre\nrubbish\n");
   expectRefused(run(folder, "-options_file run.opts", GetParam()), {"run.opts: line 2"});

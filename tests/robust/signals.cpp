@@ -184,10 +184,10 @@ TEST(SignalsDeathTest, ATerminationSentTwiceWithinAMomentCountsOnce) {
       testing::KilledBySignal(SIGTERM), "");
 }
 
-class OnRanks : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Ends, OnRanks, testing::Values(1, 3));
+class SignalsOnRanks : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Ends, SignalsOnRanks, testing::Values(1, 3));
 
-TEST_P(OnRanks, TheWallTimeLeavesACheckpoint) {
+TEST_P(SignalsOnRanks, TheWallTimeLeavesACheckpoint) {
   const Folder folder;
   const Outcome stopped =
       run(folder, endless + "-checkpoint_file c.h5 -wall_time 0:06", GetParam());
@@ -196,7 +196,7 @@ TEST_P(OnRanks, TheWallTimeLeavesACheckpoint) {
   expectGoesOn(folder, stopped, "c.h5");
 }
 
-TEST_P(OnRanks, AWallTimeThatIsNoTimeIsRefused) {
+TEST_P(SignalsOnRanks, AWallTimeThatIsNoTimeIsRefused) {
   const Folder folder;
   for (const char* wrong : {"1:99", "0", "soon", "''"}) {
     const Outcome outcome = run(folder, endless + "-wall_time " + wrong, GetParam());
@@ -205,7 +205,7 @@ TEST_P(OnRanks, AWallTimeThatIsNoTimeIsRefused) {
   }
 }
 
-TEST_P(OnRanks, AFailedRestartNamesTheCheckpointThatIsGood) {
+TEST_P(SignalsOnRanks, AFailedRestartNamesTheCheckpointThatIsGood) {
   const Folder folder;
   ASSERT_EQ(runAlone(folder, weave + "-ts_max_steps 5 -checkpoint_file c.h5").status, 0);
   const Outcome failed =

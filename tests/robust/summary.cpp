@@ -21,10 +21,10 @@ double numberAfter(const std::string& text, const std::string& words) {
   return at == std::string::npos ? -1e300 : std::atof(text.c_str() + at + words.size());
 }
 
-class OnRanks : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Summary, OnRanks, testing::Values(1, 3));
+class SummaryOnRanks : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Summary, SummaryOnRanks, testing::Values(1, 3));
 
-TEST_P(OnRanks, SaysWhatShareOfTheWorkDampingTook) {
+TEST_P(SummaryOnRanks, SaysWhatShareOfTheWorkDampingTook) {
   const Folder folder;
   const Outcome outcome = run(folder, pulled + "-damping_local 0.3", GetParam());
   ASSERT_EQ(outcome.status, 0) << outcome.output;
