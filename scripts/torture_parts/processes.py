@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 NOISE = ("MPI_ABORT", "PETSC ERROR", "terminate called", "Segmentation", "internal error",
-         "Caught signal", "HDF5-DIAG", "Assertion", "corrupted", "stack smashing")
+         "Caught signal", "HDF5-DIAG", "Assertion", "corrupted", "stack smashing",
+         "Sanitizer", "runtime error:")
 
 
 def environment() -> dict[str, str]:
@@ -119,6 +120,12 @@ def alive(process: int) -> bool:
     return state != "Z"
 
 
+def _printer(path: pathlib.Path) -> subprocess.Popen[bytes]:
+    with path.open("wb") as file:
+        return subprocess.Popen(["cat"], stdin=subprocess.PIPE, stdout=file,
+                                start_new_session=True)
+
+
 class Running:
     """A run under way in a folder; what it prints goes to out.txt and err.txt beside the folder."""
 
@@ -129,11 +136,16 @@ class Running:
         session.mkdir(parents=True, exist_ok=True)
         variables = {**base, "OMPI_MCA_orte_tmpdir_base": str(session),
                      "OMPI_MCA_btl_vader_backing_directory": str(session), **command.settings()}
-        with (prints / "out.txt").open("wb") as out, (prints / "err.txt").open("wb") as err:
-            self.process = subprocess.Popen(
-                command.words(binary), cwd=folder, env=variables, stdout=out, stderr=err,
-                stdin=subprocess.DEVNULL if command.stdin is None else subprocess.PIPE,
-                start_new_session=True)
+        # Through a pipe, since a limit on the size of files is none on what is printed.
+        self.printers = [_printer(prints / name) for name in ("out.txt", "err.txt")]
+        out, err = (printer.stdin for printer in self.printers)
+        self.process = subprocess.Popen(
+            command.words(binary), cwd=folder, env=variables, stdout=out, stderr=err,
+            stdin=subprocess.DEVNULL if command.stdin is None else subprocess.PIPE,
+            start_new_session=True)
+        for pipe in (out, err):
+            if pipe:
+                pipe.close()
         if command.stdin is not None and self.process.stdin:
             try:
                 (prints / "stdin.txt").write_bytes(command.stdin)
@@ -141,6 +153,15 @@ class Running:
                 self.process.stdin.close()
             except BrokenPipeError:
                 pass
+
+    def settle(self) -> None:
+        """Until all that was printed is there; something left behind may hold the pipe open."""
+        for printer in self.printers:
+            try:
+                printer.wait(10)
+            except subprocess.TimeoutExpired:
+                printer.kill()
+                printer.wait()
 
     def over(self) -> bool:
         return self.process.poll() is not None
@@ -164,6 +185,7 @@ class Running:
         for process in everyone:
             send(process, signal.SIGKILL)
         self.process.wait()
+        self.settle()
         while any(alive(process) for process in everyone):
             time.sleep(0.001)
 
@@ -185,6 +207,7 @@ class Running:
             status = None
         if status is not None and status < 0:
             status = 128 - status
+        self.settle()
         texts = [(self.prints / name).read_bytes().decode("utf-8", "replace")
                  for name in ("out.txt", "err.txt")]
         return Outcome(status, *texts)
