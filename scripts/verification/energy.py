@@ -98,7 +98,7 @@ def reversed_motion():
         with h5py.File(folder / "there.h5", "r+") as f:
             for velocity in ("velocity", "angular_velocity"):
                 f["state"][velocity][...] *= -1
-        simulate(folder.name, "-scene file -scene_file {dir}/there.h5 "
+        simulate(folder.name, "-scene file -scene_file {dir}/there.h5 -scene_file_edited "
                  + ("-pair none " if "none" in scene else "")
                  + f"-ts_dt 10 -ts_max_steps {steps} -state_output {{dir}}/back.h5")
         start, back = (read_state(folder / file) for file in ("start.h5", "back.h5"))

@@ -2,6 +2,7 @@
 
 #include <cstdarg>
 #include <cstring>
+#include <new>
 #include <vector>
 
 namespace nanoweft {
@@ -30,6 +31,7 @@ std::string petscMessage(PetscErrorCode code) {
 
 void petsc(PetscErrorCode code, std::source_location where) {
   if (code == 0) return;
+  if (code == PETSC_ERR_MEM) throw std::bad_alloc();
   const std::string text = petscMessage(code);
   const char* file = std::strrchr(where.file_name(), '/');
   throw PetscFailure(text + " [" + (file ? file + 1 : where.file_name()) + ":" +

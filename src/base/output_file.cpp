@@ -82,7 +82,7 @@ std::string throughLinks(const std::string& file) {
   return code ? path.string() : (folder / path.filename()).string();
 }
 
-OutputFile::OutputFile(const std::string& file) : file_(file) {
+OutputFile::OutputFile(const std::string& file, Temporary wanted) : file_(file) {
   const fs::path target = throughLinks(file);
   leaf_ = target.filename().string();
   folder_ = ::open(target.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -97,7 +97,7 @@ OutputFile::OutputFile(const std::string& file) : file_(file) {
   }
   // A file without a name leaves nothing behind, however the program ends. To name it, /proc is
   // needed.
-  if (::access("/proc/self/fd", X_OK) == 0)
+  if (wanted == Temporary::nameless && ::access("/proc/self/fd", X_OK) == 0)
     descriptor_ = ::openat(folder_, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (descriptor_ >= 0) return;
   hidden_ = unusedName();

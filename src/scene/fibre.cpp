@@ -55,6 +55,8 @@ class FibreScene final : public Scene {
     const double chord = length_ * (1.0 + p_.strain);
     FibreGeometry g;
     g.closed = p_.closed;
+    g.position.reserve(static_cast<std::size_t>(p_.segments));
+    g.orientation.reserve(static_cast<std::size_t>(p_.segments));
     Vec3d x = p_.start;
     for (int k = 0; k < p_.segments; ++k) {
       const double angle = k * turn;  // of the tangent; chords lie half a turn further
@@ -97,6 +99,8 @@ std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& cont
   if (!active) return nullptr;
   if (norm(p.direction) == 0) throw InputError("-fibre_direction: must not be zero");
   if (p.closed && p.segments < 3) throw InputError("-fibre_closed: needs three segments at least");
+  // Every rank holds the whole fibre until the shares are made.
+  requireMemory(context.comm, p.segments, sizeof(Vec3d) + sizeof(Quatd));
   return std::make_unique<FibreScene>(p, context.fibre.length);
 }
 

@@ -14,9 +14,6 @@ namespace nanoweft {
 
 namespace {
 
-/// The fields of the state alone, with the room that it keeps for migration. A run with pair forces
-/// takes about twice as much.
-constexpr double bytesPerSegment = 400;
 /// Places of a rank's segments are 32-bit, and those of its poses eight times as large.
 constexpr std::int64_t mostSegments = 2147483647 / 8;
 
@@ -43,7 +40,7 @@ double memoryHere() {
 
 }  // namespace
 
-void requireMemory(MPI_Comm comm, std::int64_t segments) {
+void requireMemory(MPI_Comm comm, std::int64_t segments, double bytesPerSegment) {
   const double needed = bytesPerSegment * static_cast<double>(segments);
   MPI_Comm node;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);

@@ -1,8 +1,12 @@
 #include "support/state_edit.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <stdexcept>
 
 #include "nanoweft/base/hdf5.hpp"
+#include "nanoweft/state/state_signature.hpp"
 #include "support/program.hpp"
 
 namespace nanoweft::test {
@@ -23,6 +27,17 @@ void setDataset(const std::string& file, const std::string& name, const std::vec
   h5::Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     throw std::runtime_error("cannot write " + name);
+  set = {}, group = {}, f = {};
+  signAgain(file);
+}
+
+void signAgain(const std::string& file) {
+  const int fd = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
+  if (fd < 0) throw std::runtime_error("no file " + file);
+  const bool signedOnce = checkSignature(fd).result != SignatureCheck::unsigned_;
+  const int failure = signedOnce ? signFile(fd) : 0;
+  ::close(fd);
+  if (failure != 0) throw std::runtime_error("cannot sign " + file);
 }
 
 void setMotion(const std::string& file, const VectorField& v, const VectorField& w) {

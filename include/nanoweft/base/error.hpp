@@ -27,7 +27,7 @@ struct PetscFailure : std::runtime_error {
 /// What PETSc said about its last error.
 std::string petscMessage(PetscErrorCode code);
 
-/// Turns a PETSc error code into an exception.
+/// Turns a PETSc error code into an exception; memory that PETSc did not get into std::bad_alloc.
 void petsc(PetscErrorCode code, std::source_location where = std::source_location::current());
 
 /// Makes PETSc keep the first message of an error for `petsc` instead of printing a trace (which

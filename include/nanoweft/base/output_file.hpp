@@ -35,9 +35,10 @@ std::string throughLinks(const std::string& file);
 
 class OutputFile {
  public:
-  /// Makes an empty file without a name in the folder of `file` (where the file system cannot do
-  /// that, one named FILE.tmp-XXXXXX). `problem()` says when that failed.
-  explicit OutputFile(const std::string& file);
+  enum class Temporary { nameless, named };
+  /// Makes an empty file without a name in the folder of `file`, or where the file system cannot do
+  /// that, one named FILE.tmp-XXXXXX. `problem()` says when that failed.
+  explicit OutputFile(const std::string& file, Temporary wanted = Temporary::nameless);
   /// What is not published leaves nothing behind.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

@@ -8,8 +8,12 @@
 
 namespace nanoweft {
 
+/// What the fields of the state take alone, with the room that it keeps for migration. A run with
+/// pair forces takes about twice as much.
+inline constexpr double stateBytes = 400;
+
 /// Throws RunError on all ranks when some rank, or its computer, cannot hold its `segments`. The
 /// estimate is a lower bound, so what passes may still prove too large. Collective.
-void requireMemory(MPI_Comm comm, std::int64_t segments);
+void requireMemory(MPI_Comm comm, std::int64_t segments, double bytesPerSegment = stateBytes);
 
 }  // namespace nanoweft
