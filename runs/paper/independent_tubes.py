@@ -6,10 +6,14 @@ nothing until the pull has straightened it, then its axial stiffness times the s
 weakest bond breaks. Takes the first snapshot of a tension test (its groups tell what the grips hold) and
 prints the slack of the tubes and the strength over many draws of the critical strains."""
 import argparse
+import pathlib
 import sys
 
-import h5py
 import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+from nanoweft import states  # noqa: E402
+from nanoweft.problems import Unusable  # noqa: E402
 
 STIFFNESS = 916.56  # of a (10,10) tube, B1 T, eV/A
 LENGTH = 13.56  # of a segment, A
@@ -19,9 +23,8 @@ GIGAPASCAL = 160.2177  # eV/A^3
 
 def slack_tubes(path, axis):
     """Slack and number of bonds between the grips, of each tube that both hold."""
-    with h5py.File(path) as file:
-        state = file["state"]
-        x, fibre, group = state["position"][:, axis], state["fibre"][:], state["group"][:]
+    state = states.read(path)
+    x, fibre, group = state["position"][:, axis], state["fibre"], state["group"]
     found = []
     ends = np.flatnonzero(np.diff(fibre, prepend=-1, append=-1))
     for begin, end in zip(ends, ends[1:]):
@@ -42,7 +45,8 @@ def strength(tubes, width, per, seed):
     critical = np.array([draw.normal(0.3, 0.05, int(n) if per == "bond" else 1).min() for n in tubes[:, 1]])
     strain = np.linspace(0, 0.6, 601)
     own = (1 + strain[:, None]) / (1 + tubes[:, 0]) - 1
-    stress = np.where(own < critical, own.clip(0), 0).sum(1) * STIFFNESS / (width * THICKNESS) * GIGAPASCAL
+    stress = np.where(own < critical, own.clip(0),
+                      0).sum(1) * STIFFNESS / (width * THICKNESS) * GIGAPASCAL
     return stress.max(), strain[stress.argmax()]
 
 
@@ -50,13 +54,14 @@ def main():
     parser = argparse.ArgumentParser(prog="independent_tubes", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("state", metavar="SNAPSHOT.h5")
-    parser.add_argument("--width", type=float, required=True, help="of the fabric, A, as in the run's header")
+    parser.add_argument("--width", type=float, required=True,
+                        help="of the fabric, A, as in the run's header")
     parser.add_argument("--axis", choices="xyz", default="x")
     arguments = parser.parse_args()
     try:
         tubes = slack_tubes(arguments.state, "xyz".index(arguments.axis))
-    except (OSError, KeyError) as error:
-        sys.exit(f"independent_tubes: {arguments.state}: {error}")
+    except Unusable as error:
+        sys.exit(f"independent_tubes: {error}")
     if not len(tubes):
         sys.exit(f"independent_tubes: {arguments.state}: no tube is held by both grips")
     shares = np.percentile(100 * tubes[:, 0], [0, 10, 50, 90, 100])

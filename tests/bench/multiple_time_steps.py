@@ -7,28 +7,25 @@ multiple_time_steps.md tells what came out. More than one inner step needs the p
 """
 
 import itertools
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from speed_error_parts import scenes  # noqa: E402
-from speed_error_parts.program import read_table  # noqa: E402
+from nanoweft import generators, runs, states, tables  # noqa: E402
+from nanoweft.generators import LENGTH  # noqa: E402
 
-BINARY = ROOT / "build/bin/nanoweft"
 WEAVE = "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.05"
 # Tubes hot enough that contacts work: 0.1 A off their places.
 BUNDLE = "-scene file -scene_file {bundle} -scene_perturb 0.1"
 LOCAL = "-damping_local 0.4"
 # Tubes 0.3 A off their places but straight: motion of contacts alone.
 STRAIGHT = "-scene file -scene_file {straight}"
-SCENES = {"weave": (WEAVE, 1200), "bundle": (BUNDLE, 1200), "straight tubes": (STRAIGHT, 1200), "damped weave": (f"{WEAVE} {LOCAL}", 12000)}
-ELASTIC = ("stretch", "shear", "bending", "torsion")
+SCENES = {"weave": (WEAVE, 1200), "bundle": (BUNDLE, 1200), "straight tubes": (STRAIGHT, 1200),
+          "damped weave": (f"{WEAVE} {LOCAL}", 12000)}
 INNER = (1, 2, 3)
 FINEST = 0.625
 
@@ -38,30 +35,19 @@ FINEST = 0.625
 def run(folder, options, dt, inner, more=""):
     """Exit status, printed text, energy table, final positions (unwrapped)."""
     words = options.format(bundle=folder / "bundle.h5", straight=folder / "straight.h5").split()
-    words += f"-ts_dt {dt:.10g} -ts_dt_unsafe -progress_interval 0 -ts_limit_interval 0 -overwrite {more}".split()
+    words += f"-ts_dt {dt:.10g} -ts_dt_unsafe -ts_limit_interval 0 {more}".split()
     words += f"-energy_monitor ascii:{folder}/e.csv -state_output {folder}/s.h5".split()
     words += [] if inner == 1 else ["-ts_inner", str(inner)]
-    done = subprocess.run(["bash", "-c", '. scripts/environment; exec "$@"', "-", str(BINARY), *words], cwd=ROOT,
-                          env={"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin"}, capture_output=True, text=True)
+    done = runs.run(words)
     if done.returncode == 1:
         sys.exit(done.stderr)
     if done.returncode:
         return done.returncode, done.stdout + done.stderr, None, None
-    table = read_table(folder / "e.csv")
-    with h5py.File(folder / "s.h5") as f:
-        s = f["state"]
-        box = s.attrs["upper"] - s.attrs["lower"]
-        position = s["position"][:] + (s["image"][:] * box if "image" in s else 0)
-    return 0, done.stdout, table, position
-
-
-def elastic(table):
-    return sum(table[part] for part in ELASTIC)
+    return 0, done.stdout, tables.read(folder / "e.csv"), states.read(folder / "s.h5").whole
 
 
 def balance_error(table):
-    balance = table["total"] + table["damped"]
-    return np.abs(balance - balance[0]).max()
+    return np.abs(table.balance - table.balance[0]).max()
 
 
 def rms(x):
@@ -71,10 +57,9 @@ def rms(x):
 def straight(file):
     """37 straight tubes in a hexagonal bundle, displaced as a whole each."""
     random = np.random.default_rng(2)
-    places = np.array([(17.07 * (i + 0.5 * j), 17.07 * np.sqrt(0.75) * j)
-                       for i in range(-3, 4) for j in range(-3, 4) if abs(i + j) <= 3])
-    scenes.tubes(file, places + 0.3 * random.standard_normal(places.shape),
-                 scenes.LENGTH * random.random(len(places)), scenes.LENGTH, 16)
+    places = generators.hexagon(17.07, 3)
+    generators.endless_tubes(file, places + 0.3 * random.standard_normal(places.shape),
+                             LENGTH * random.random(len(places)), generators.Endless())
 
 
 # Errors after a fixed time
@@ -89,9 +74,9 @@ def errors(folder):
             if status:
                 return None
             common = np.abs((table["time_fs"] + 1) % 600 - 1) < 1e-6
-            return position, elastic(table)[common], balance_error(table), table
+            return position, table.elastic[common], balance_error(table), table
         exact = at(FINEST, 1)
-        scale = exact[1][0] if "weave" in name else (exact[3]["kinetic"] + exact[3]["rotational"]).max()
+        scale = exact[1][0] if "weave" in name else exact[3].motion.max()
         other = at(FINEST, 2)
         print(f"<!-- {name}: the two integrators at {FINEST} fs differ by {rms(other[0] - exact[0]):.2g} A; "
               f"scale of energies {scale:.5g} eV -->")
@@ -117,11 +102,10 @@ def tension(folder):
         status, text, table, _ = run(folder, options, dt, inner, f"-monitor_interval {every}")
         if status:
             return None
-        rows = read_table(folder / "bundle.h5.csv")
+        rows = tables.read(folder / "bundle.h5.csv")
         times = np.arange(600, 24001, 600)
         stress = 0.5 * (rows["stress_left_GPa"] + rows["stress_right_GPa"])
-        balance = table["total"] + table["damped"] - table["external"]
-        return np.interp(times, rows["time_fs"], stress), np.abs(balance - balance[0]).max()
+        return np.interp(times, rows["time_fs"], stress), balance_error(table)
     exact = at(FINEST, 1)[0]
     for inner, dt in itertools.product(INNER, (10, 20, 25, 30)):
         found = at(dt, inner)
@@ -137,7 +121,8 @@ def limits(folder):
         steps = 20000 if name == "weave" else 4000
 
         def stable(dt):
-            status, text, table, _ = run(folder, SCENES[name][0], dt, inner, f"-ts_max_steps {steps}")
+            status, text, table, _ = run(folder, SCENES[name][0], dt, inner,
+                                         f"-ts_max_steps {steps}")
             said.extend(line.split("below ")[1].split()[0] for line in text.splitlines() if "below" in line)
             return status == 0 and np.isfinite(table["total"]).all()
         said, low, high = [], 15.0, 80.0
@@ -163,23 +148,24 @@ def rest(folder):
             print(f"| {inner} | {dt} | unstable |")
             continue
         exact = position if exact is None else exact
-        last = table[-1]
-        row = " | ".join(f"{last[c]:.3f}" for c in ("stretch", "shear", "bending", "pair"))
-        motion = last["kinetic"] + last["rotational"]
-        print(f"| {inner} | {dt} | {row} | {motion:.1g} | {rms(position - exact):.2g} |", flush=True)
+        row = " | ".join(f"{table[c][-1]:.3f}" for c in ("stretch", "shear", "bending", "pair"))
+        print(f"| {inner} | {dt} | {row} | {table.motion[-1]:.1g} | {rms(position - exact):.2g} |",
+              flush=True)
 
 
 # Cost of a step
 
 def cost(folder):
     big = {"weave, 6 between crossings": WEAVE.replace("6,6", "24,24").replace("36", "144"),
-           "weave, 10 between crossings": WEAVE.replace("6,6", "20,20").replace("36", "200"), "bundle": BUNDLE}
+           "weave, 10 between crossings": WEAVE.replace("6,6", "20,20").replace("36", "200"),
+           "bundle": BUNDLE}
     print("| scene | inner | cost of a step |\n|---|---|---|")
     for name, options in big.items():
         steps = 150 if "weave" in name else 400
         seconds = {k: [] for k in (1, 2, 3)}
         for _, k in itertools.product(range(7), seconds):
-            _, text, _, _ = run(folder, options, 10, k, f"-ts_max_steps {steps} -monitor_interval 1000")
+            _, text, _, _ = run(folder, options, 10, k,
+                                f"-ts_max_steps {steps} -monitor_interval 1000")
             speed = next(line for line in text.splitlines() if line.startswith("speed"))
             seconds[k].append(1 / float(speed.split()[1]))
         for k, found in seconds.items():
@@ -250,9 +236,10 @@ def theory(_):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2 or sys.argv[1] not in ("theory", "limits", "errors", "tension", "rest", "cost"):
+    if len(sys.argv) != 2 or sys.argv[1] not in ("theory", "limits", "errors", "tension", "rest",
+                                                 "cost"):
         sys.exit(__doc__)
     with tempfile.TemporaryDirectory() as name:
-        scenes.bundle(f"{name}/bundle.h5", rings=3, length=16 * scenes.LENGTH)
+        generators.bundle(f"{name}/bundle.h5", rings=3)
         straight(f"{name}/straight.h5")
         globals()[sys.argv[1]](Path(name))

@@ -3,41 +3,38 @@
 
 usage: tests/bench/relaxation.py energy.csv [state.h5 ...]
 """
-import csv
 import sys
+from pathlib import Path
 
-import h5py
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from nanoweft import states, tables  # noqa: E402
 
 NEAR = 22.0  # A: two centres of tubes that touch (17.1 A) lie at most half a segment apart along them
 
 
 def print_energies(file):
-    with open(file) as f:
-        lines = (line for line in f if not line.startswith("#"))
-        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(lines)]
-    for r in rows:
-        r["elastic"] = r["stretch"] + r["shear"] + r["bending"] + r["torsion"]
-        r["balance"] = r["total"] + r["damped"] + r["broken"] - r["external"]
+    table = tables.read(file)
     marks = [s for s in (0, 1000, 2000, 5000, 10000, 15000, 20000, 30000, 40000)]
     print(f"{file}\n  step, elastic, pair, elastic + pair, kinetic (eV)")
-    for r in rows:
-        if int(r["step"]) in marks or r is rows[-1]:
-            print(f"  {int(r['step'])}, {r['elastic']:.1f}, {r['pair']:.1f}, {r['elastic'] + r['pair']:.1f}, "
-                  f"{r['kinetic'] + r['rotational']:.3g}")
-    start = rows[0]["elastic"]
+    for k, step in enumerate(table["step"]):
+        if int(step) in marks or k == len(table) - 1:
+            elastic, pair = table.elastic[k], table["pair"][k]
+            print(f"  {int(step)}, {elastic:.1f}, {pair:.1f}, {elastic + pair:.1f}, {table.motion[k]:.3g}")
     for part in (0.3, 0.1, 0.05, 0.03):
-        step = next((int(r["step"]) for r in rows if r["elastic"] <= part * start), None)
+        below = np.flatnonzero(table.elastic <= part * table.elastic[0])
+        step = int(table["step"][below[0]]) if len(below) else None
         print(f"  elastic energy below {part:g} of the start's at step {step}")
-    print(f"  energy balance drifted by {rows[-1]['balance'] - rows[0]['balance']:.3g} of {rows[-1]['damped']:.6g} eV damped")
+    drift = table.balance[-1] - table.balance[0]
+    print(f"  energy balance drifted by {drift:.3g} of {table['damped'][-1]:.6g} eV damped")
 
 
 def neighbours(file):
     """Mean number of other fibres beside a segment, and the share of segments with 3 or more."""
-    with h5py.File(file) as f:
-        g = f["state"]
-        x, fibre = g["position"][:], g["fibre"][:]
-        box = np.where(g.attrs["periodic"], np.asarray(g.attrs["upper"]) - g.attrs["lower"], np.inf)
+    state = states.read(file)
+    x, fibre = state["position"], state["fibre"]
+    box = np.where(state.periodic, state.box, np.inf)
     counts = np.zeros(len(x), int)
     for i in range(len(x)):
         d = x - x[i]

@@ -21,7 +21,8 @@ class Breaks(FolderTest):
         torn = np.zeros((tubes, COUNT), np.int8)
         for fibre, index in broken:
             torn[fibre, index] = 1
-        write_state(self.path(name), fibres, step=step, time=1000.0 * step, bond_broken=torn.ravel(),
+        write_state(self.path(name), fibres, step=step, time=1000.0 * step,
+                    bond_broken=torn.ravel(),
                     group=np.tile(group, tubes).astype(np.int32))
 
     def breaks(self, *names):
@@ -54,7 +55,8 @@ class Breaks(FolderTest):
         done = self.breaks("a.h5", "b.h5", "--edges=50,350")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         # The outermost tubes lie outside, the next at 50 of 300.
-        self.assertEqual([line.split()[4] for line in done.stdout.splitlines()[2:5]], ["0.000", "0.167", "0.167"])
+        self.assertEqual([line.split()[4] for line in done.stdout.splitlines()[2:5]],
+                         ["0.000", "0.167", "0.167"])
         for text in "1", "5,2", "a,b", "0,inf":
             done = self.breaks("a.h5", "--edges", text)
             self.assertEqual(done.returncode, 2)
@@ -72,7 +74,8 @@ class Breaks(FolderTest):
         self.write("other.h5", 5, tubes=3)
         with open(self.path("text.h5"), "w") as file:
             file.write("no HDF5")
-        for text, *names in (("no such file", "none.h5"), ("damaged", "text.h5"), ("two grips", "free.h5"),
+        for text, *names in (("no such file", "none.h5"), ("damaged", "text.h5"),
+                             ("two grips", "free.h5"),
                              ("other fibres", "a.h5", "other.h5")):
             done = self.breaks(*names)
             self.assertNotEqual(done.returncode, 0)

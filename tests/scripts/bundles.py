@@ -1,6 +1,4 @@
 """Tests of scripts/bundles: python3 bundles.py NANOWEFT SCRIPTS"""
-import importlib.machinery
-import importlib.util
 import os
 import re
 import sys
@@ -27,14 +25,6 @@ def bundle(places, middle=(0.0, 0.0), **more):
 def turned(fibres):
     """Along y instead of x."""
     return [fibre[:, [1, 0, 2]] for fibre in fibres]
-
-
-def load_module():
-    sys.path.insert(0, scripts)
-    loader = importlib.machinery.SourceFileLoader("bundles_script", os.path.join(scripts, "bundles"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("bundles_script", loader))
-    loader.exec_module(module)
-    return module
 
 
 def contacts_by_force(position, axis, fibre, box, distance, reach):
@@ -135,7 +125,9 @@ class Bundles(FolderTest):
         self.assertEqual(self.survey(fibres)[4], expected)
 
     def test_against_all_pairs(self):
-        module = load_module()
+        sys.path.insert(0, scripts)
+        from nanoweft.analysis.bundles import Fabric
+        from nanoweft.states import State
         random = np.random.default_rng(3)
         side = 160.0
         for periodic in np.zeros(3, int), np.ones(3, int), np.array([1, 0, 1]):
@@ -145,12 +137,14 @@ class Bundles(FolderTest):
                 steps = SPACING * bend / np.linalg.norm(bend, axis=1, keepdims=True)
                 fibres.append(np.cumsum(steps, axis=0) + random.uniform(0, side, 3))
             position = np.concatenate(fibres)
-            state = {"position": position, "fibre": np.repeat(np.arange(60), 12), "index": np.tile(np.arange(12), 60),
+            state = {"position": position, "fibre": np.repeat(np.arange(60), 12),
+                     "index": np.tile(np.arange(12), 60),
                      "lower": np.zeros(3), "upper": np.full(3, side), "periodic": periodic}
             # Images: each lies in the box, as the program writes it.
             image = np.floor(position / side).astype(int) * periodic
             state.update(position=position - image * side, image=image)
-            fabric = module.Fabric(state, 20.0)
+            rows = {key: state[key] for key in ("position", "fibre", "index", "image")}
+            fabric = Fabric(State(rows, state["lower"], state["upper"], periodic != 0), 20.0)
             expected = contacts_by_force(position, fabric.axis, state["fibre"],
                                          np.where(periodic, side, 1e9), 20.0, 0.75 * fabric.length)
             self.assertGreater(expected.sum(), 100)
@@ -161,7 +155,8 @@ class Bundles(FolderTest):
 
     def size_by_force(self, fabric, contact, state, side, seed):
         apart = fabric.position - fabric.position[seed]
-        apart -= np.where(state["periodic"], side, 1e9) * np.round(apart / np.where(state["periodic"], side, 1e9))
+        apart -= np.where(state["periodic"], side,
+                          1e9) * np.round(apart / np.where(state["periodic"], side, 1e9))
         inside = np.abs(apart @ fabric.axis[seed]) <= 2.5 * fabric.length
         found, front = {seed}, [seed]
         while front:
@@ -185,11 +180,13 @@ class Bundles(FolderTest):
         write_state(self.path("dots.h5"), [tube(0, 0, count=1), tube(50, 0, count=1)])
         with open(self.path("text.h5"), "w") as file:
             file.write("no HDF5")
-        for text, *arguments in (("no such file", "none.h5"), ("damaged", "text.h5"), ("no bonds", "dots.h5"),
+        for text, *arguments in (("no such file", "none.h5"), ("damaged", "text.h5"),
+                                 ("no bonds", "dots.h5"),
                                  ("more than five segments", "good.h5", "--distance", "500"),
                                  ("lower --every", "good.h5", "--every", "100"),
                                  ("cannot write", "good.h5", "-o", "none/out.png"),
-                                 ("invalid", "good.h5", "--distance", "-3"), ("invalid", "good.h5", "--strip", "2"),
+                                 ("invalid", "good.h5", "--distance", "-3"),
+                                 ("invalid", "good.h5", "--strip", "2"),
                                  ("required",)):
             done = self.run_bundles(*arguments)
             self.assertNotEqual(done.returncode, 0)

@@ -65,7 +65,8 @@ def write_state(name, position, **more):
              "fibre": np.zeros(count, np.int64), "index": np.arange(count), **more}
     with h5py.File(name, "w") as file:
         group = file.create_group("state")
-        group.attrs.update(format="nanoweft-state", version=1, step=7, time=2.5, units=state.pop("units"),
+        group.attrs.update(format="nanoweft-state", version=1, step=7, time=2.5,
+                           units=state.pop("units"),
                            lower=[-10.0, 0.0, -5.0], upper=[10.0, 30.0, 5.0], periodic=[1, 1, 0])
         group.create_dataset("position", data=position, fletcher32=True, chunks=True)
         for key, value in state.items():
@@ -89,7 +90,8 @@ class Export(FolderTest):
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
     def weave(self):
-        snapshots = self.simulate(nanoweft, "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4"
+        snapshots = self.simulate(nanoweft,
+                                  "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4"
                                   " -ts_max_steps 20 -snapshot_interval 10 -state_output final.h5")
         self.assertEqual(len(snapshots), 3)
         return snapshots + [self.path("final.h5")]
@@ -104,7 +106,8 @@ class Export(FolderTest):
             self.assertEqual(frame["pos"].shape, (2 * 4 * 24, 3))
             # 17 digits give back the same double.
             np.testing.assert_array_equal(frame["pos"], state["position"])
-            np.testing.assert_array_equal(frame["orientation"], state["orientation"][:, [1, 2, 3, 0]])
+            np.testing.assert_array_equal(frame["orientation"],
+                                          state["orientation"][:, [1, 2, 3, 0]])
             np.testing.assert_allclose(np.linalg.norm(frame["orientation"], axis=1), 1, rtol=1e-12)
             np.testing.assert_array_equal(frame["fibre"][:, 0], np.repeat(np.arange(8), 24))
             np.testing.assert_array_equal(frame["index"][:, 0], np.tile(np.arange(24), 8))
@@ -128,7 +131,8 @@ class Export(FolderTest):
             np.testing.assert_array_equal(together(frame, "x y z"), state["position"])
             np.testing.assert_array_equal(together(frame, "quati quatj quatk quatw"),
                                           state["orientation"][:, [1, 2, 3, 0]])
-            np.testing.assert_array_equal(frame["bounds"], np.stack([state["lower"], state["upper"]], axis=1))
+            np.testing.assert_array_equal(frame["bounds"],
+                                          np.stack([state["lower"], state["upper"]], axis=1))
             self.assertEqual(frame["flags"], ["ff"] * 3)
 
     def test_orientations_point_along_the_fibres(self):

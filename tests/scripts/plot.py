@@ -1,6 +1,4 @@
 """Tests of scripts/plot: python3 plot.py NANOWEFT SCRIPTS"""
-import importlib.machinery
-import importlib.util
 import os
 import sys
 import unittest
@@ -19,15 +17,18 @@ def write_table(name, columns):
 
 def energies(time, elastic):
     zero = np.zeros(len(time))
-    return {"step": time / 20, "time_fs": time, "stretch": zero, "shear": zero, "bending": elastic, "torsion": zero,
-            "pair": zero, "kinetic": zero, "rotational": zero, "total": elastic, "damped": elastic[0] - elastic,
+    return {"step": time / 20, "time_fs": time, "stretch": zero, "shear": zero, "bending": elastic,
+            "torsion": zero,
+            "pair": zero, "kinetic": zero, "rotational": zero, "total": elastic,
+            "damped": elastic[0] - elastic,
             "external": zero, "broken": zero}
 
 
 def stresses(**more):
     strain = np.linspace(0, 0.4, 80)
     stress = 12 * strain * np.exp(-(strain / 0.25) ** 3)
-    return {"step": np.arange(80.0), "time_fs": np.arange(80.0), "strain": strain, "stress_left_GPa": stress,
+    return {"step": np.arange(80.0), "time_fs": np.arange(80.0), "strain": strain,
+            "stress_left_GPa": stress,
             "stress_right_GPa": stress, "broken_bonds": np.arange(80) // 20, **more}
 
 
@@ -57,21 +58,20 @@ class Plot(FolderTest):
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
     def test_decay_is_found(self):
-        loader = importlib.machinery.SourceFileLoader("plot_script", os.path.join(scripts, "plot"))
-        module = importlib.util.module_from_spec(importlib.util.spec_from_loader("plot_script", loader))
-        loader.exec_module(module)
+        sys.path.insert(0, scripts)
+        from nanoweft.analysis.decay import fit_decay
         time = np.arange(0, 400.0)
         for tau in 12.0, 90.0:
             # A fast first part, gone long before half of the fall is done, does not disturb.
             energy = 30 + 200 * np.exp(-time / tau) + 5 * np.exp(-time / 0.5)
-            plateau, height, constant, begin = module.fit_decay(time, energy)
+            plateau, height, constant, begin = fit_decay(time, energy)
             # Time constants are tried in steps of 1.5 %; the best is at most half a step away.
             self.assertAlmostEqual(constant / tau, 1, delta=0.01)
             self.assertAlmostEqual(plateau, 30, delta=0.01 * 200)
             self.assertAlmostEqual(height, 200 * np.exp(-begin / tau), delta=0.01 * 200)
-        self.assertIsNone(module.fit_decay(time, 1000 - time))  # no plateau in sight
-        self.assertIsNone(module.fit_decay(time, np.full(400, 7.0)))
-        self.assertIsNone(module.fit_decay(time[:4], energy[:4]))
+        self.assertIsNone(fit_decay(time, 1000 - time))  # no plateau in sight
+        self.assertIsNone(fit_decay(time, np.full(400, 7.0)))
+        self.assertIsNone(fit_decay(time[:4], energy[:4]))
 
     def test_convergence_of_an_exponential_is_a_straight_line(self):
         time = np.arange(0, 4000.0, 10)
@@ -95,12 +95,14 @@ class Plot(FolderTest):
             self.assertGreater(near(both, VERMILION).sum(), 500)
             self.assertEqual(near(both, GREEN).sum(), 0)
             longer = self.draw(kind, "a.csv", "b.csv", "--labels", "one and a long name", "two")
-            self.assertGreater((longer.max(axis=2) < 100).sum(), (both.max(axis=2) < 100).sum() + 100)
+            self.assertGreater((longer.max(axis=2) < 100).sum(),
+                               (both.max(axis=2) < 100).sum() + 100)
 
     def test_virial_stress_where_there_is_one(self):
         write_table(self.path("plain.csv"), stresses())
         one = np.linspace(0, 1, 80)
-        write_table(self.path("virial.csv"), stresses(virial_xx_GPa=0.1 * one, virial_yy_GPa=0.5 * one,
+        write_table(self.path("virial.csv"),
+                    stresses(virial_xx_GPa=0.1 * one, virial_yy_GPa=0.5 * one,
                                                       virial_xy_GPa=2 * one))
         self.assertEqual(near(self.draw("stress", "plain.csv"), VERMILION).sum(), 0)
         picture = self.draw("stress", "virial.csv")
@@ -116,7 +118,8 @@ class Plot(FolderTest):
                                 " -monitor_interval 5 -energy_monitor ascii:energy.csv -tension_rate 1e-6"
                                 " -stress_monitor ascii:stress.csv -progress_interval 0".split())
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        for kind, name in (("energy", "energy.csv"), ("convergence", "energy.csv"), ("stress", "stress.csv")):
+        for kind, name in (("energy", "energy.csv"), ("convergence", "energy.csv"),
+                           ("stress", "stress.csv")):
             self.assertGreater(np.ptp(self.draw(kind, name)), 200)
 
     def test_refusals(self):

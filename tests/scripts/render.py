@@ -73,7 +73,8 @@ class Render(FolderTest):
         high = straight((67.8, 0, 20), (0, 1, 0), 11)
         write_state(self.path("in.h5"), [low, high], group=np.repeat([1, 2], 11))  # vermilion, blue
         for size, zoom in ((400, 1), (200, 1), (400, 0.1)):
-            options = ["--color", "group", "--size", f"{size}x{size}", "--zoom", str(zoom), "--labels", "x"]
+            options = ["--color", "group", "--size", f"{size}x{size}", "--zoom", str(zoom),
+                       "--labels", "x"]
             above = self.draw("in.h5", *options)
             below = self.draw("in.h5", *options, "--view=-90,-90")
             for picture, upper in ((above, bluish), (below, reddish)):
@@ -95,7 +96,8 @@ class Render(FolderTest):
             picture = self.draw("in.h5", "--size", "400x240", *options)[:, :280]
             rows = np.flatnonzero(coloured(picture)[:, 140])
             split = rows[np.argmax(np.diff(rows)) + 1]
-            return (picture[rows[rows >= split], 140].mean(axis=0), picture[rows[rows < split], 140].mean(axis=0))
+            return (picture[rows[rows >= split], 140].mean(axis=0),
+                    picture[rows[rows < split], 140].mean(axis=0))
 
         first, second = fibre_colours("--color", "load")
         self.assertGreater(first[2], first[1])   # viridis: from violet to yellow
@@ -128,7 +130,8 @@ class Render(FolderTest):
         self.assertEqual(whole.sum(), 0)
         plain = self.draw("in.h5", "--size", "1000x300", "--color", "height")
         breaks = self.draw("in.h5", "--size", "1000x300", "--color", "height", "--breaks")
-        self.assertGreater(reddish(breaks)[40:260, :800].sum(), reddish(plain)[40:260, :800].sum() + 20)
+        self.assertGreater(reddish(breaks)[40:260, :800].sum(),
+                           reddish(plain)[40:260, :800].sum() + 20)
         # Close up there is a gap, of nearly two bonds and without marks.
         middle = ["--size", "600x300", "--zoom", "50", "--center", f"{499.5 * SPACING},0"]
         pixel = (999 * SPACING + 2 * RADIUS) / (0.96 * 600) / 50
@@ -138,7 +141,8 @@ class Render(FolderTest):
 
     def test_nothing_is_drawn_through_the_box(self):
         x = straight((5, 0, 0), (1, 0, 0), 20)
-        write_state(self.path("in.h5"), [np.append(x[10:], x[:10], axis=0)], box=([0, -50, -50], [20 * SPACING, 50, 50]))
+        write_state(self.path("in.h5"), [np.append(x[10:], x[:10], axis=0)],
+                    box=([0, -50, -50], [20 * SPACING, 50, 50]))
         picture = coloured(self.draw("in.h5", "--size", "600x300", "--radius", "3"))
         # A bond right across would close the gap between the two pieces.
         gap = ~picture[:, 280:320].any(axis=0)
@@ -148,7 +152,8 @@ class Render(FolderTest):
         names = []
         for k in 2, 0, 1:
             names.append(f"frame{k}.h5")
-            write_state(self.path(names[-1]), [straight((400 * k, 0, 0), (1, 0, 0), 10)], time=1e5 * k, step=10 * k)
+            write_state(self.path(names[-1]), [straight((400 * k, 0, 0), (1, 0, 0), 10)],
+                        time=1e5 * k, step=10 * k)
         return names
 
     def film(self, *arguments):
@@ -167,7 +172,8 @@ class Render(FolderTest):
             middles.append(np.flatnonzero(coloured(picture[30:170]).any(axis=0)).mean())
             labels.append(picture[:18].tobytes())
         # Sorted by step, and the camera stands still: equal moves of 400 A.
-        np.testing.assert_allclose(np.diff(middles), 400 * 0.96 * 500 / (800 + 9 * SPACING + 2 * RADIUS), atol=2)
+        np.testing.assert_allclose(np.diff(middles),
+                                   400 * 0.96 * 500 / (800 + 9 * SPACING + 2 * RADIUS), atol=2)
         self.assertEqual(len(set(labels)), 3)
 
     def test_movie_through_ffmpeg(self):
@@ -215,7 +221,8 @@ class Render(FolderTest):
     def test_a_weave_of_the_program(self):
         frames = self.simulate(nanoweft, "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4"
                                " -ts_max_steps 20 -snapshot_interval 10")
-        for options in (["--view", "iso"], ["--color", "stretch", "--length", "13.56"], ["--color", "height"],
+        for options in (["--view", "iso"], ["--color", "stretch", "--length", "13.56"],
+                        ["--color", "height"],
                         ["--color", "velocity", "--view=-30,20"], ["--color", "group", "--dark"],
                         ["--color", "broken", "--view", "side"]):
             picture = self.draw(frames[-1], "--size", "300x200", *options)
@@ -248,7 +255,8 @@ class Render(FolderTest):
         self.expect_refusal("not X,Y", "in.h5", "--center", "1")
         self.expect_refusal("cannot write", "in.h5", "-o", "none/out.png", "--size", "100x100")
         self.expect_refusal("cannot write", "in.h5", "-o", "out.xyz", "--size", "100x100")
-        self.expect_refusal("no room", *["in.h5"] * 9, "--sheet", "--size", "100x100", "-o", "out.png")
+        self.expect_refusal("no room", *["in.h5"] * 9, "--sheet", "--size", "100x100", "-o",
+                            "out.png")
         self.expect_refusal("--sheet makes a picture", "in.h5", "--sheet", "-o", "out.gif")
 
 

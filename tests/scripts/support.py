@@ -20,12 +20,14 @@ class FolderTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def run_program(self, program, *arguments):
-        return subprocess.run([program, *arguments], cwd=self.folder, capture_output=True, text=True,
+        return subprocess.run([program, *arguments], cwd=self.folder, capture_output=True,
+                              text=True,
                               env={**os.environ, "OMP_NUM_THREADS": "1"})
 
     def simulate(self, binary, options):
         """Runs nanoweft with snapshots frame_<step>.h5; their paths in order."""
-        done = self.run_program(binary, *options.split(), "-snapshot_file", "frame", "-progress_interval", "0")
+        done = self.run_program(binary, *options.split(), "-snapshot_file", "frame",
+                                "-progress_interval", "0")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return sorted(self.path(name) for name in os.listdir(self.folder)
                       if name.startswith("frame_") and name.endswith(".h5"))

@@ -1,0 +1,15 @@
+"""What the commands in scripts/ are made of.
+
+states       state files: read, write, the tubes in them
+tables       CSV tables, with or without lines of provenance
+options      option files and options as words of a command
+runs         runs of the program with the environment of scripts/environment
+generators   fibres laid in space, to write as states
+rotations    quaternions and matrices of many segments
+units        times, lengths and energies as people write them
+arguments    kinds of arguments that several commands take
+analysis     bundles, broken bonds, decays
+pictures     tubes as pictures and movies, tables as plots
+report       one HTML page of a run
+verification, speed_error, scaling   the three studies with pages of their own in runs/
+"""

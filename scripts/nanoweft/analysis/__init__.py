@@ -1,0 +1,1 @@
+"""What states and tables tell: bundles, broken bonds, decays of energy."""

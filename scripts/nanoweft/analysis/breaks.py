@@ -1,0 +1,66 @@
+"""Where bonds broke in a tension test: how far from the grips and the free edges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..problems import Unusable
+from ..states import LEFT_GRIP, RIGHT_GRIP, State
+
+Array = NDArray[Any]
+
+
+class Sheet:
+    """The piece before the pull: its bonds' places, its grips and its free edges. Rows are in the
+    order of fibre and index; a row stands for the bond to the next segment."""
+
+    def __init__(self, name: str, state: State, edges: tuple[float, float] | None = None) -> None:
+        order = state.in_order()
+        self.fibre, self.index = state["fibre"][order], state["index"][order]
+        place = state.whole[order]
+        group = state["group"][order]
+        held = [(group & bit) != 0 for bit in (LEFT_GRIP, RIGHT_GRIP)]
+        if not (held[0].any() and held[1].any()):
+            raise Unusable(f"{name}: no segments held by two grips (bits 28 and 29 of group)")
+        self.axis = np.argmax(place[held[1]].mean(axis=0) - place[held[0]].mean(axis=0))
+        self.left, self.right = place[held[0], self.axis].max(), place[held[1], self.axis].min()
+        between = place[~(held[0] | held[1])]
+        if self.right <= self.left or not len(between):
+            raise Unusable(f"{name}: nothing lies between the grips")
+        # The wider of the two other directions is the width.
+        spread = np.ptp(between, axis=0)
+        spread[self.axis] = -1
+        self.across = np.argmax(spread)
+        self.low: float
+        self.high: float
+        self.low, self.high = edges or (between[:, self.across].min(),
+                                        between[:, self.across].max())
+        self.bond = np.flatnonzero((np.diff(self.fibre) == 0) & (np.diff(self.index) == 1))
+        self.middle = np.array(place)
+        self.middle[self.bond] = (place[self.bond] + place[self.bond + 1]) / 2
+        by = [np.isin(self.fibre, self.fibre[side]) for side in held]
+        self.gripped = np.select([by[0] & by[1], *by], ["both", "left", "right"], "neither")
+
+    def broken(self, name: str, state: State) -> Array:
+        order = state.in_order()
+        if not (np.array_equal(state["fibre"][order], self.fibre)
+                and np.array_equal(state["index"][order], self.index)):
+            raise Unusable(f"{name}: other fibres than in the first snapshot")
+        return np.asarray(state["bond_broken"][order] != 0)
+
+    def from_left(self, rows: Array) -> Array:
+        return np.asarray((self.middle[rows, self.axis] - self.left) / (self.right - self.left))
+
+    def from_grip(self, rows: Array) -> Array:
+        return inward(self.from_left(rows))
+
+    def from_edge(self, rows: Array) -> Array:
+        return inward((self.middle[rows, self.across] - self.low) / max(self.high - self.low, 1e-300))
+
+
+def inward(fraction: Array) -> Array:
+    """Distance from the nearer of the ends 0 and 1; outside them it is zero."""
+    return np.asarray(np.clip(np.minimum(fraction, 1 - fraction), 0, 0.5))

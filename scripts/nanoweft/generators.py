@@ -1,0 +1,161 @@
+"""Fibres laid in space: straight, packed, wound, bent, woven."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import rotations, states
+
+Array = NDArray[Any]
+File = str | os.PathLike[str]
+
+LENGTH = 13.56          # of a segment of a (10,10) tube, A: twice its radius
+TOUCHING = 17.1         # between the axes of two tubes that touch, A
+CROSSING = 17.343571    # between two tubes at a crossing, A
+
+
+def straight(start: ArrayLike, count: int, axis: int = 0, spacing: float = LENGTH) -> Array:
+    """Centres of the segments of a straight fibre."""
+    x = np.tile(np.array(start, float), (count, 1))
+    x[:, axis] += np.arange(count) * spacing
+    return x
+
+
+def gathered() -> list[Array]:
+    """A fabric that has gathered at one side: three layers of touching tubes, then loose ones."""
+    tubes = [straight((TOUCHING * (k + 0.5 * (layer % 2)), 0, 0.87 * TOUCHING * layer), 100, 1)
+             for k in range(20) for layer in range(3)]
+    return tubes + [straight((20 * TOUCHING + 5 * LENGTH * (k + 1), 0, 0), 100, 1) for k in range(40)]
+
+
+def ball() -> list[Array]:
+    """Layers of touching turns on a cylinder: a fibre a layer, since the radius jumps from one to the next."""
+    points = []
+    for layer in range(8):
+        radius = 150 + TOUCHING * layer
+        turn = LENGTH / math.hypot(radius, TOUCHING / (2 * math.pi))
+        angle = np.arange(0, 2 * math.pi * 12, turn)
+        height = TOUCHING / (2 * math.pi) * angle
+        height = height if layer % 2 == 0 else height[-1] - height
+        points.append(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height]))
+    return points
+
+
+def corners() -> list[Array]:
+    """Two bundles in opposite corners of a box."""
+    return [straight((x, y + TOUCHING * (a + 0.5 * (b % 2)), y + 0.87 * TOUCHING * b), 32)
+            for x, y in ((-800, -900), (400, 600)) for a in range(10) for b in range(10)]
+
+
+def hexagon(spacing: float, rings: int) -> Array:
+    """Places in a plane of tubes in hexagonal packing, `rings` around one."""
+    return np.array([(spacing * (i + 0.5 * j), spacing * np.sqrt(0.75) * j)
+                     for i in range(-rings, rings + 1) for j in range(-rings, rings + 1)
+                     if abs(i + j) <= rings])
+
+
+@dataclass
+class Endless:
+    """Endless tubes along x: segments of length T, and how far each is off its place, A."""
+    T: float = LENGTH
+    segments: int = 16
+    noise: float = 0.0
+    seed: int = 1
+
+
+def endless_tubes(file: File, places: ArrayLike, offsets: ArrayLike, tubes: Endless) -> File:
+    """Writes tubes through the given places in the y-z plane, each shifted along itself by its offset."""
+    places, random = np.asarray(places, float), np.random.default_rng(tubes.seed)
+    x = np.zeros((len(places), tubes.segments, 3))
+    x[:, :, 0] = np.arange(tubes.segments) * tubes.T + np.asarray(offsets)[:, None]
+    x[:, :, 1:] = places[:, None, :]
+    x += tubes.noise * random.standard_normal(x.shape)
+    low, high = places.min(axis=0) - 150, places.max(axis=0) + 150
+    q = rotations.no_rotation(tubes.segments)
+    states.write(file, states.of_fibres([(fibre, q) for fibre in x], [0, *low],
+                                        [tubes.segments * tubes.T, *high], (1, 0, 0), closed=True))
+    return file
+
+
+def bundle(file: File, T: float = LENGTH, rings: int = 4, spacing: float = 17.07) -> File:
+    """Writes hexagonally packed tubes, each shifted along itself and a little sideways."""
+    random = np.random.default_rng(1)
+    places = hexagon(spacing, rings)
+    places = places + 0.05 * random.standard_normal((len(places), 2))
+    tubes = Endless(T, round(16 * LENGTH / T), 0.02)
+    return endless_tubes(file, places, LENGTH * random.random(len(places)), tubes)
+
+
+def free_mode(file: File, T: float, length: float, amplitude: float) -> File:
+    """Writes a free fibre bent, without stretch, as in its first bending mode."""
+    n = round(length / T)
+    k = 4.730040744862704 / length
+    s = (np.arange(n) + 0.5) * T
+    ratio = (np.cosh(k * length) - np.cos(k * length)) / (np.sinh(k * length) - np.sin(k * length))
+    slope = k * (np.sinh(k * s) - np.sin(k * s) - ratio * (np.cosh(k * s) + np.cos(k * s)))
+    angle = np.arctan(amplitude * slope)
+    # A bond lies halfway between the directions of its ends: no shear.
+    bond = 0.5 * (angle[1:] + angle[:-1])
+    position = np.zeros((n, 3))
+    position[1:, 0] = np.cumsum(T * np.cos(bond))
+    position[1:, 1] = np.cumsum(T * np.sin(bond))
+    orientation = np.stack([np.cos(angle / 2), 0 * s, 0 * s, np.sin(angle / 2)], axis=1)
+    states.write(file, states.of_fibres([(position, orientation)], [-300, -300, -300],
+                                        [length + 300, 300, 300]))
+    return file
+
+
+def bisect(low: float, high: float, f: Callable[[float], Any]) -> float:
+    """Root of a function that is negative at `low` and positive at `high`."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if f(middle) < 0 else (low, middle)
+    return 0.5 * (low + high)
+
+
+class Wave:
+    """z = A cos(pi (s/p - 1/2)), walked along in chords of one segment."""
+
+    def __init__(self, pitch: float) -> None:
+        self.pitch = pitch
+
+    def height(self, s: Any) -> Any:
+        return 0.5 * CROSSING * np.cos(np.pi * (s / self.pitch - 0.5))
+
+    def walk(self, start: float, count: int) -> Array:
+        s = [start]
+        while len(s) < count:
+            here, z = s[-1], self.height(s[-1])
+            s.append(bisect(here, here + LENGTH,
+                            lambda t: (t - here)**2 + (self.height(t) - z)**2 - LENGTH**2))
+        return np.array(s)
+
+
+def weave(fibres: int, segments: int, periodic: bool = False) -> states.State:
+    """`fibres` each way, as -weave_fibres n,n -weave_segments m lays them (src/scene/weave.cpp), without
+    orientations: the pitch is such that unstretched fibres just cover the piece."""
+    longest = LENGTH * segments / fibres
+    pitch = bisect(0.2 * longest, longest,
+                   lambda p: fibres * p - Wave(p).walk(0.0, segments + 1)[-1])
+    wave, span = Wave(pitch), fibres * pitch
+    first = 0.0 if periodic else bisect(-pitch, pitch,
+                                        lambda a: wave.walk(a, segments)[[0, -1]].sum() - span)
+    places = wave.walk(first, segments)
+    number, place = np.repeat(np.arange(fibres), segments), np.tile(places, fibres)
+    sign = np.where(number % 2 == 0, 1.0, -1.0)
+    side, z = (number + 0.5) * pitch, sign * wave.height(place)
+    position = np.concatenate([np.stack([place, side, z], 1), np.stack([side, place, -z], 1)])
+    margin = 4 * LENGTH
+    corner = np.array([0.0 if periodic else -margin] * 2 + [-0.5 * CROSSING - margin])
+    rows = {"position": position, "fibre": np.concatenate([number, number + fibres]),
+            "index": np.tile(np.tile(np.arange(segments), fibres), 2)}
+    return states.State(rows, corner, np.array([span, span, 0]) - corner,
+                        np.array([periodic, periodic, False]),
+                        closed=np.arange(2 * fibres if periodic else 0))

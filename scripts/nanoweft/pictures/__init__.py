@@ -1,0 +1,1 @@
+"""Tubes as pictures and movies, tables as plots."""

@@ -1,0 +1,144 @@
+"""Pictures of states that share camera, section, range of colours and thickness."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+
+from .. import states
+from ..problems import Unusable
+from ..states import State, Tubes
+from . import colours, light
+from .page import Layout, Look
+from .tubes import camera, tangents
+
+Array = NDArray[Any]
+
+WANTED = ("position", "fibre", "index", "image", "group", "bond_broken")
+THINNEST = 1.15  # radius in pixels, below which over and under could not be told apart
+DARK, LIGHT = "#15171B", "#E8E8E8"
+
+
+@functools.lru_cache(maxsize=4)
+def load(name: str, color: str) -> tuple[State, Tubes]:
+    state = states.read(name, WANTED, None if color in colours.NAMED else color)
+    return state, states.find_tubes(state)
+
+
+@dataclass
+class View:
+    """What the pictures of a stage should show."""
+    color: str = "fibre"
+    limits: colours.Limits | None = None  # of the colours
+    breaks: bool = False                  # mark the ends of broken bonds
+    direction: tuple[float, float] = (-90, 90)
+    zoom: float = 1
+    center: tuple[float, ...] | None = None
+    radius: float | None = None
+    length: float | None = None           # of a bond without strain
+    dark: bool = False
+
+
+class Stage:
+    """What all pictures made together share: camera, section, range of colours, thickness."""
+
+    def __init__(self, options: View, files: list[str]) -> None:
+        self.how, self.zoom, self.marked = options.color, options.zoom, options.breaks
+        self.eye = camera(*options.direction)
+        self.paper = DARK if options.dark else "white"
+        self.palette = colours.BLACK if options.dark else colours.WHITE
+        self.ink = LIGHT if options.dark else DARK
+        state, (position, first, second, _) = load(files[0], self.how)
+        self.units = state.units
+        length = np.linalg.norm(position[second] - position[first], axis=1)[first != second]
+        self.natural = (options.length or state.attributes.get("segment_length")
+                        or (np.median(length) if len(length) else 1))
+        self.radius = options.radius or (6.78 if self.units == "nano" else 0.5 * self.natural)
+        self.survey(files, options.limits)
+        self.middle = (self.low + self.high) / 2
+        if options.center:
+            self.middle = self.eye @ (*options.center, self.height)[:3]
+        across = np.maximum((self.high - self.low)[:2], 2 * self.radius)
+        self.aspect = np.clip(across[0] / across[1], 0.4, 2.5)
+
+    def survey(self, files: list[str], limits: colours.Limits | None) -> None:
+        """Corners of everything, seen by the camera, and the range of the colours."""
+        low, high, heights, ranges = [], [], [], []
+        for name in files:
+            state, tubes = load(name, self.how)
+            if state.units != self.units:
+                raise Unusable(f"{name}: in other units than {files[0]}")
+            seen = tubes[0] @ self.eye.T
+            low.append(seen.min(axis=0))
+            high.append(seen.max(axis=0))
+            heights.append(np.percentile(tubes[0][:, 2], [0, 50, 100]))
+            values = colours.values_of(self.how, state, tubes, self.natural)
+            if values is not None and not limits:
+                ranges.append(colours.natural_range(self.how, values))
+        self.low, self.high = np.min(low, axis=0) - self.radius, np.max(high, axis=0) + self.radius
+        # The paper lies below nearly everything, but not so deep that shadows no longer tell.
+        bottom, usual, top = np.array(heights).T
+        self.height = (bottom.min() + top.max()) / 2
+        self.floor = max(bottom.min(), usual.min() - 5 * self.radius) - self.radius
+        self.limits = limits or ((min(low for low, _ in ranges), max(high for _, high in ranges)) if ranges else None)
+
+    def colours_of(self, name: str) -> colours.Colours:
+        state, tubes = load(name, self.how)
+        values = colours.values_of(self.how, state, tubes, self.natural)
+        scale = None if values is None or not self.limits else (values, self.limits)
+        result = colours.colour(self.how, state, tubes, self.palette, scale)
+        if self.marked:
+            result = result._replace(legend=result.legend + (("broken bonds", colours.BREAK),))
+        return result
+
+    def pixel(self, layout: Layout) -> float:
+        room = 0.96 * np.array([layout.width, layout.height])
+        return float(np.max((self.high - self.low)[:2] / room) / self.zoom)
+
+    def draw(self, name: str, tint: colours.Colours, layout: Layout) -> Array:
+        """The panel of one file."""
+        _, (position, first, second, torn) = load(name, self.how)
+        pixel = self.pixel(layout)
+        # Thin tubes need more samples, or a weave dissolves into stripes.
+        sampling = int(np.clip(np.ceil(2.2 * pixel / self.radius), 2, 4))
+        fine = sampling / pixel
+        # Tubes that would be thinner than a pixel are thickened; for the eye of the camera alone
+        # they are moved apart as much, so that what lies above stays above.
+        thick = max(self.radius * fine, THINNEST * sampling)
+        lift = (thick - self.radius * fine) / self.radius * self.eye[2, 2]
+        shift = np.array([layout.width, layout.height, 0]) * sampling / 2 - self.middle * fine
+        seen = position @ self.eye.T * fine + shift
+        seen[:, 2] += lift * (position[:, 2] - self.floor)
+        # A torn end is a round cap that ends short, so that the gap is seen from the first moment on.
+        along = (seen[second] - seen[first]) * 0.45
+        a = seen[first] + along * torn[0, first, None]
+        b = seen[second] - along * torn[1, second, None]
+        tangent = tangents(seen, first, second)
+        radius, albedo = np.full(len(a), thick), light.linear(tint.tubes)
+        if self.marked:
+            # What crosses above must not hide the marks.
+            ends = np.concatenate([a[torn[0, first]], b[torn[1, second]]]) + [0, 0, 4 * thick]
+            a, b = np.concatenate([a, ends]), np.concatenate([b, ends])
+            flat = np.zeros((len(ends), 3), np.float32)
+            tangent = (np.concatenate([tangent[0], flat]), np.concatenate([tangent[1], flat]))
+            radius = np.append(radius, np.full(len(ends), max(1.3 * thick, 2.6 * sampling)))
+            albedo = np.concatenate([albedo, light.linear(np.tile(to_rgb(colours.BREAK), (len(ends), 1)))])
+        level, tilt = self.ground(fine, shift, seen)
+        scene = light.Scene(a, b, tangent, radius, albedo, light.linear(to_rgb(self.paper)),
+                            thick, level, tilt)
+        return light.draw(scene, layout.width, layout.height, sampling)
+
+    def look(self, layout: Layout) -> Look:
+        return Look(self.pixel(layout), self.units, self.ink, self.paper)
+
+    def ground(self, fine: float, shift: Array, seen: Array) -> tuple[float, float]:
+        """Depth of the paper: at y = 0, and what it grows by with y. From the side there is none."""
+        sine, cosine = self.eye[2, 2], self.eye[1, 2]
+        if sine < 0.3:
+            return seen[:, 2].min() - 1e4, 0.0
+        return (self.floor * fine + cosine * shift[1]) / sine + shift[2], -cosine / sine

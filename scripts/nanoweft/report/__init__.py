@@ -1,0 +1,1 @@
+"""One HTML page of a run that needs nothing else: no network, no server."""

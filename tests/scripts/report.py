@@ -1,0 +1,170 @@
+"""Tests of scripts/report: python3 report.py NANOWEFT SCRIPTS
+
+The page is opened in Chromium where that is installed (Debian: chromium); without it those tests are skipped."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+from PIL import Image
+from support import FolderTest, write_state
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+FLAGS = ("--headless --no-sandbox --disable-gpu --use-angle=swiftshader --enable-unsafe-swiftshader"
+         " --disable-quic --no-first-run --disable-background-networking --disable-component-update"
+         " --disable-sync --hide-scrollbars --virtual-time-budget=4000 --window-size=1200,900").split()
+VIEW = (slice(240, 640),
+        slice(60, 740))  # rows and columns of the 3-D view without what is written on it
+RUN = ("-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -tension_rate 2e-5 -tension_ramp 2000"
+       " -tension_grip 40 -tension_max_strain 0.45 -break_strain_mean 0.12 -break_strain_std 0.03 -ts_dt 15"
+       " -snapshot_interval 250 -monitor_interval 20 -energy_monitor ascii:energy.csv"
+       " -stress_monitor ascii:stress.csv")
+
+
+def straight(y, count=20):
+    place = np.zeros((count, 3))
+    place[:, 0], place[:, 1] = 13.56 * np.arange(count), y
+    return place
+
+
+class Report(FolderTest):
+    def report(self, *arguments):
+        return self.run_program(os.path.join(scripts, "report"), *arguments)
+
+    def make(self, *arguments):
+        """The page of this test's folder."""
+        done = self.report(self.folder, *arguments)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        name = done.stdout.strip()
+        self.assertLess(os.path.getsize(name), 30e6)
+        with open(name, encoding="utf-8") as file:
+            return name, file.read()
+
+    def data(self, page):
+        found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)
+        return json.loads(found[1])
+
+    def open(self, name, fragment):
+        """What the browser has of the page: attributes of <html>, and the picture."""
+        if not CHROMIUM:
+            self.skipTest("no chromium")
+        shot = self.path("shot.png")
+        with tempfile.TemporaryDirectory(prefix="nanoweft-chromium-") as profile:
+            done = subprocess.run(
+                [CHROMIUM, *FLAGS, f"--user-data-dir={profile}", "--dump-dom", f"--screenshot={shot}",
+                 f"file://{name}#{fragment}"], capture_output=True, text=True, cwd=self.folder)
+        html = re.search(r"<html[^>]*>", done.stdout)
+        self.assertIsNotNone(html, done.stderr[-2000:])
+        self.assertNotIn("data-error", html[0])
+        self.assertIn('data-ready="yes"', html[0])
+        with Image.open(shot) as picture:
+            return (dict(re.findall(r'data-(\w+)="([^"]*)"', html[0])), done.stdout,
+                    np.asarray(picture.convert("RGB")).astype(int))
+
+    def test_fibres_are_seen_and_the_slider_moves_them(self):
+        self.simulate(nanoweft, RUN)
+        name, page = self.make()
+        series, = self.data(page)["series"]
+        self.assertEqual((series["name"], series["total"], len(series["runs"])), ("frame", 192, 8))
+        self.assertGreater(len(series["frames"][-1]["torn"]), 0)
+        self.assertEqual(series["frames"][0]["torn"], [])
+        self.assertEqual({field["name"] for field in series["fields"]},
+                         {"strain", "stretch_energy", "shear_energy", "bending_energy", "torsion_energy",
+                          "pair_energy", "velocity"})
+        self.assertEqual(series["curve"]["titles"][:3],
+                         ["stress over strain", "strain, %", "stress, GPa"])
+        last = len(series["frames"]) - 1
+        first_facts, first_dom, first = self.open(name, "frame=0&theme=light")
+        last_facts, last_dom, second = self.open(name, f"frame={last}&theme=light")
+        self.assertEqual((first_facts["frame"], last_facts["frame"]), ("0", str(last)))
+        # Broken bonds leave gaps.
+        torn = len(series["frames"][-1]["torn"])
+        self.assertEqual((first_facts["tubes"], last_facts["tubes"]),
+                         (str(8 * 23), str(8 * 23 - torn)))
+        for picture in first, second:
+            # The ground is nearly grey; the fibres are not.
+            self.assertGreater((np.ptp(picture[VIEW], axis=2) > 40).sum(), 3000)
+        self.assertGreater((np.abs(first - second)[VIEW].max(axis=2) > 40).sum(), 3000)
+        marks = [float(re.search(r'id="mark"[^>]*cx="([\d.]+)"', dom)[1]) for dom in (first_dom, last_dom)]
+        self.assertGreater(marks[1], marks[0] + 100)
+
+    def test_colours_and_dark(self):
+        self.simulate(nanoweft, RUN)
+        name, _ = self.make()
+        _, dom, dark = self.open(name, "frame=30&theme=dark&colour=broken")
+        self.assertIn("broken fibres", dom)
+        self.assertLess(np.median(dark), 60)
+        red = (dark[..., 0] > dark[..., 1] + 80) & (dark[..., 0] > dark[..., 2] + 80)
+        self.assertGreater(red[VIEW].sum(), 30)
+        _, dom, _ = self.open(name, "frame=5&colour=strain")
+        self.assertIn("strain of the bonds, %", dom)
+
+    def test_nothing_is_loaded_from_elsewhere(self):
+        write_state(self.path("final.h5"), [straight(0), straight(100)])
+        _, page = self.make()
+        own = re.sub(r"<script>/\* three.*?</script>", "", page, flags=re.S)
+        for tag in re.findall(r"<(?:script|link|img|iframe|source)\b[^>]*>", own):
+            self.assertNotRegex(tag, r"(?:src|href)=\"(?!data:)")
+        self.assertNotRegex(own, r"@import|url\((?!#)")
+
+    def test_a_folder_of_pictures_and_tables_alone(self):
+        Image.new("RGB", (40, 30), "#123456").save(self.path("seen.png"))
+        with open(self.path("stress.csv"), "w") as file:
+            file.write("# nanoweft 1.0\n# -pair none\n# -seed 3\nstep,time_fs,strain,stress_left_GPa,stress_right_GPa,"
+                       "broken_bonds\n")
+            file.writelines(f"{k},{20 * k},{0.01 * k},{k},{k},0\n" for k in range(20))
+        name, page = self.make()
+        self.assertIn("data:image/png;base64", page)
+        for text in "Stress over strain", "nanoweft 1.0", "-pair", "-seed":
+            self.assertIn(text, page)
+        facts, _, _ = self.open(name, "")
+        self.assertEqual(facts["ready"], "yes")
+
+    def test_large_scenes_are_thinned_and_it_is_said(self):
+        fibres = [straight(20.0 * k, 300) for k in range(60)]
+        for step in range(30):
+            write_state(self.path(f"s_{step:010}.h5"), fibres, step=step, time=1000.0 * step,
+                        field={"strain": np.linspace(-1, 1, 18000)})
+        _, page = self.make("--largest", "2.2")
+        self.assertLess(len(page), 2.2e6)
+        series, = self.data(page)["series"]
+        self.assertLess(series["count"], 18000)
+        self.assertGreaterEqual(len(series["frames"]), 2)
+        self.assertEqual(sum(series["runs"]), series["count"])
+        self.assertEqual(series["frames"][-1]["step"], 29)
+        self.assertIn("every", series["note"])
+        self.assertIn(series["note"], page)
+
+    def test_radius(self):
+        write_state(self.path("final.h5"), [straight(0)])
+        self.assertEqual(self.data(self.make()[1])["series"][0]["radius"], 6.78)
+        self.assertEqual(self.data(self.make("--radius", "3")[1])["series"][0]["radius"], 3)
+
+    def test_files_that_cannot_be_read_are_named(self):
+        write_state(self.path("final.h5"), [straight(0)])
+        with open(self.path("broken.h5"), "w") as file:
+            file.write("no HDF5")
+        self.assertIn("broken.h5: damaged", self.make()[1])
+
+    def test_refusals(self):
+        for text, *arguments in (("no such folder", self.path("none")),
+                                 ("no state, table or picture", self.folder)):
+            done = self.report(*arguments)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn(text, done.stderr)
+        write_state(self.path("final.h5"), [straight(0)])
+        done = self.report(self.folder, "-o", self.path("none/out.html"))
+        self.assertIn("cannot write", done.stderr)
+
+
+if __name__ == "__main__":
+    nanoweft, scripts = sys.argv[1:3]
+    done = unittest.main(argv=sys.argv[:1], exit=False).result
+    # CTest takes 77 for a test that was skipped.
+    sys.exit(1 if not done.wasSuccessful() else 0 if CHROMIUM else 77)
