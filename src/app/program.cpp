@@ -11,6 +11,7 @@
 #include <fstream>
 #include <new>
 #include <thread>
+#include <type_traits>
 
 #include "nanoweft/app/option_files.hpp"
 #include "nanoweft/app/signals.hpp"
@@ -104,7 +105,7 @@ class Ranks {
     } else if (!arrived(request)) {
       std::fprintf(stderr, "nanoweft: error: %s\n", problem.c_str());
       std::fflush(stderr);
-      MPI_Abort(MPI_COMM_WORLD, 1);
+      MPI_Abort(MPI_COMM_WORLD, std::is_same_v<Error, InputError> ? 1 : 2);
     }
     agree<Error>(ends_, problem);
   }
