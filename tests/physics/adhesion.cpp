@@ -14,7 +14,8 @@ namespace {
 double pairEnergy(const Folder& folder, const std::string& options, int ranks = 1) {
   const auto outcome = run(
       folder,
-      "-scene file -scene_file in.h5 -ts_max_steps 0 -energy_monitor ascii:energy.csv " + options,
+      "-scene file -scene_file in.h5 -ts_max_steps 0 -energy_monitor ascii:energy.csv -overwrite " +
+          options,
       ranks);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   return readCsv(folder / "energy.csv").at("pair").front();

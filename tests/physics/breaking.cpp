@@ -65,7 +65,7 @@ TEST(Breaking, PartedPiecesInteractWhenTheyMeetAgain) {
       " -bc left,right -left_region -1000,-10,-10,1000,10,10 -left_force 0,0.08,0 -right_region "
       "-1000,70,-10,1000,90,10 "
       "-right_force 0,-0.08,0 -ts_dt 10 -ts_max_steps 1500 -energy_monitor ascii:energy.csv "
-      "-monitor_interval 10 -state_output out.h5";
+      "-monitor_interval 10 -state_output out.h5 -overwrite";
   writeState(folder / "in.h5", asTwo);
   auto outcome = run(folder, "-scene file -scene_file in.h5" + move);
   ASSERT_EQ(outcome.status, 0) << outcome.output;
@@ -96,8 +96,8 @@ TEST(Breaking, OneDrawPerFibreOrPerBond) {
   box.upper[1] = 9000;
   writeState(folder / "in.h5", fibres, box);
   const std::string common =
-      "-scene file -scene_file in.h5 -pair none -ts_max_steps 0 -state_output out.h5 -break_seed "
-      "3 ";
+      "-scene file -scene_file in.h5 -pair none -ts_max_steps 0 -state_output out.h5 "
+      "-overwrite -break_seed 3 ";
   for (const char* per : {"bond", "fibre"}) {
     const auto outcome = run(folder, common + "-break_per " + per, 2);
     ASSERT_EQ(outcome.status, 0) << outcome.output;

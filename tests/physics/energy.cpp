@@ -113,7 +113,7 @@ TEST(Energy, ViscousDampingIsAuditedAndConservesMomentum) {
     const auto outcome =
         run(folder, common + "-ts_dt " + (k ? "2.5" : "5") +
                         " -ts_max_time 5000 -energy_monitor ascii:energy.csv -monitor_interval 1 "
-                        "-state_output out.h5");
+                        "-state_output out.h5 -overwrite");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto csv = readCsv(folder / "energy.csv");
     errors[k] = imbalance(csv);

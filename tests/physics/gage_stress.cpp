@@ -21,7 +21,7 @@ Table pull(const Folder& folder, const std::string& options, int ranks = 1) {
   const auto outcome = run(folder,
                            options +
                                " -stress_monitor ascii:stress.csv -state_output out.h5 "
-                               "-state_forces",
+                               "-state_forces -overwrite",
                            ranks);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   return readCsv(folder / "stress.csv");

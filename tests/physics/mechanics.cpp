@@ -29,7 +29,7 @@ std::vector<double> settle(const Folder& folder, int segments, const std::string
                       " -pair none -damping_local 0.7 -ts_dt 20 -ts_max_steps " +
                       std::to_string(steps) + " -bc root,tip -root_region " + region(0) +
                       " -root_fix 1,1,1 -root_fix_rotation -tip_region " + region(tip) + " " +
-                      load + " -state_output out.h5");
+                      load + " -state_output out.h5 -overwrite");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   return readDataset(folder / "out.h5", dataset);
 }

@@ -133,7 +133,7 @@ TEST(Fire, TwoEndlessTubesFindTheirDistance) {
   for (int k = 0; k < 2; ++k) {
     const auto outcome = run(
         folder, std::string("-scene file -scene_file in.h5 -relax_method fire -relax_force 1e-6 "
-                            "-ts_max_steps 20000 -state_output out.h5 -energy_monitor "
+                            "-ts_max_steps 20000 -overwrite -state_output out.h5 -energy_monitor "
                             "ascii:energy.csv -ts_dt ") +
                     (k == 0 ? "10" : "5"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;

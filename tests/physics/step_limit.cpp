@@ -24,7 +24,8 @@ double printedLimit(const Folder& folder, const std::string& scene) {
 }
 
 double energyAtRest(const Folder& folder, const std::string& scene) {
-  const auto outcome = runAlone(folder, scene + " -ts_max_steps 0 -energy_monitor ascii:rest.csv");
+  const auto outcome =
+      runAlone(folder, scene + " -ts_max_steps 0 -energy_monitor ascii:rest.csv -overwrite");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   return readCsv(folder / "rest.csv").at("total").front();
 }
@@ -40,7 +41,7 @@ double expectLimitSeparates(const Folder& folder, const std::string& scene, int 
   for (double part : {0.5, 0.9}) {
     const auto outcome = runAt(folder, scene, part * limit,
                                "-ts_max_steps " + std::to_string(steps) +
-                                   " -energy_monitor ascii:run.csv -monitor_interval 1");
+                                   " -energy_monitor ascii:run.csv -monitor_interval 1 -overwrite");
     EXPECT_EQ(outcome.status, 0) << part << " of the limit: " << outcome.output;
     if (outcome.status != 0) continue;
     const auto total = readCsv(folder / "run.csv").at("total");
@@ -73,8 +74,9 @@ double expectLimitSeparates(const Folder& folder, const std::string& scene, int 
 
 /// Lets `scene` come to rest; the state is at.h5, whose scene is returned.
 std::string relaxed(const Folder& folder, const std::string& scene, int steps) {
-  const auto outcome = runAlone(folder, scene + " -damping_local 0.7 -ts_dt 15 -ts_max_steps " +
-                                            std::to_string(steps) + " -state_output rest.h5");
+  const auto outcome =
+      runAlone(folder, scene + " -damping_local 0.7 -ts_dt 15 -ts_max_steps " +
+                           std::to_string(steps) + " -state_output rest.h5 -overwrite");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   stopMotion(folder / "rest.h5");
   return "-scene file -scene_file rest.h5";
@@ -243,8 +245,9 @@ TEST(StepLimit, LimitIsFollowedDuringTheRunAndDisturbsNothing) {
                                          "-ts_dt 44 -ts_max_steps 250 -ts_limit_interval 5 "
                                          "-energy_alarm 0 -progress_interval 0");
   EXPECT_NE(fast.output.find(warning), std::string::npos) << fast.output;
-  const std::string slow = pressedSlowly(folder) +
-                           "-ts_dt 20 -ts_max_steps 400 -state_output out.h5 -ts_limit_interval ";
+  const std::string slow =
+      pressedSlowly(folder) +
+      "-ts_dt 20 -ts_max_steps 400 -state_output out.h5 -overwrite -ts_limit_interval ";
   const auto once = runAlone(folder, slow + "0");
   ASSERT_EQ(once.status, 0) << once.output;
   const std::string expected = readFile(folder / "out.h5");
