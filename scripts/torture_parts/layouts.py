@@ -26,7 +26,7 @@ def layout_trial(trial: Trial) -> None:
     skin = ["-pair_skin", f"{rng.uniform(0.5, 20):.3g}"] if rng.random() < 0.4 else []
     for steps in [*_pieces(scene, rng), scene.steps]:
         layout = ["-partition", rng.choice(["dmda", "metis", "auto"]), *skin]
-        if rng.random() < 0.2:
+        if layout[1] != "dmda" and rng.random() < 0.3:
             layout += ["-partition_piece", str(rng.choice([2, 8, 100]))]
         options = scene.physics() + scene.outputs() + scene.end(steps) + layout + restart
         command = Command(options, rng.choice([0, 1, 2, 2, 3, 4]), rng.randint(1, 3))

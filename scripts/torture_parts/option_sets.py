@@ -20,7 +20,7 @@ BASES = [
     ["-weave_fibres 2,3", "-weave_segments 14", "-damping_local 0.3"],
     ["-scene fibre", "-fibre_segments 12", "-fibre_bend 0.3"],
     ["-weave_fibres 2,2", "-weave_segments 12", "-bc a,b", "-a_region -99,-99,-99,20,999,999",
-     "-b_group 0"],
+     "-a_fix 1,1,1", "-b_region 100,-99,-99,999,999,999", "-b_force 0,0,0.001"],
     ["-weave_fibres 2,2", "-weave_segments 16", "-tension_rate 1e-6", "-tension_grip 30"],
     ["-weave_fibres 2,2", "-weave_segments 12", "-relax_method fire"],
     ["-units si", "-scene fibre", "-fibre_preset carbon_t300", "-fibre_segments 10"],
@@ -41,7 +41,8 @@ LEFT_OUT = {"ts_max_steps", "wall_time", "progress_interval", "restart", "scene_
             "checkpoint_file", "snapshot_file"}
 
 
-USED_BY_ALL = "fibre_[wyr]|pair|vdw|damping|ts_|seed|partition|energy|scene_perturb|domain|state_f"
+USED_BY_ALL = ("fibre_[wyr]|pair(?!_far)|vdw|damping_v|ts_|seed|partition(?!_p)|energy|scene_perturb|"
+               "domain_[lu]|state_f")
 
 
 @dataclass
@@ -87,7 +88,7 @@ def _number(option: Option, rng: random.Random) -> tuple[str, bool]:
     usual = float(first[0]) if first else rng.choice([1.0, 10.0, 100.0])
     if rng.random() < 0.12:
         return rng.choice(EXTREME), False
-    value = usual * rng.choice([0.0, 0.1, 0.5, 0.9, 1.0, 1.1, 2.0, -1.0])
+    value = usual * rng.choice([0.5, 0.8, 0.9, 1.0, 1.1, 1.2, 2.0, rng.choice([0.0, 0.1, -1.0])])
     whole = "." not in option.default and rng.random() < 0.8
     return str(round(value)) if whole else f"{value:.6g}", False
 
@@ -102,12 +103,13 @@ def _value(option: Option, rng: random.Random) -> tuple[str, bool]:
                           else option.choices), wrong
     if option.name in ("bc", "kinds", "pair", "walls"):
         return rng.choice(["a", "a,b", "a,a", "", ",", "a b", "1", "x" * 300]), False
-    parts = option.default.count(",") + 1
+    lists = re.fullmatch(r"[-\d.e]+(,[-\d.e]+)*", option.default)
+    parts = option.default.count(",") + 1 if lists else 1
     if option.name.endswith("_region"):
         parts = 6
     elif re.search("_ends|lower|upper|periodic", option.name):
         parts = {"tension_ends": 2}.get(option.name, 3)
-    if rng.random() < 0.1:
+    if rng.random() < 0.05:
         parts += rng.choice([-1, 1])
     numbers = [_number(option, rng) for _ in range(max(1, parts))]
     return ",".join(text for text, _ in numbers), any(wrong for _, wrong in numbers)
