@@ -41,8 +41,8 @@ LEFT_OUT = {"ts_max_steps", "wall_time", "progress_interval", "restart", "scene_
             "checkpoint_file", "snapshot_file"}
 
 
-USED_BY_ALL = ("fibre_[wyr]|pair(?!_far)|vdw|damping_v|ts_|seed|partition(?!_p)|energy|scene_perturb|"
-               "domain_[lu]|state_f")
+USED_BY_ALL = ("fibre_[wyr]|pair(?!_far)|vdw|damping_v|ts_|seed|partition(?!_p)|energy|"
+               "scene_perturb|domain_[lu]|state_f")
 
 
 @dataclass
