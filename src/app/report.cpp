@@ -6,6 +6,7 @@
 
 #include "nanoweft/app/simulation.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/motion/residual.hpp"
 #include "nanoweft/motion/step_limit.hpp"
 
@@ -25,8 +26,64 @@ std::string duration(double seconds) {
 
 }  // namespace
 
+void Simulation::printFibre() const {
+  const Fibre& f = fibre_;
+  const BondParameters& b = f.bond;
+  const std::string wall = f.wall > 0 ? format("wall %g %s", f.wall, units_.length) : "solid";
+  // By format(): PetscPrintf would put a point behind whole numbers.
+  const std::string fibre = format(
+      "  fibre: from %s, radius %g %s, %s, E %g GPa, G %g GPa, density %.5g kg/m^3, %.5g %s a "
+      "length "
+      "of 1 %s\n",
+      f.preset.c_str(), f.radius, units_.length, wall.c_str(), f.young / units_.gigapascal,
+      f.shear / units_.gigapascal, f.density() / units_.kilogramPerCubicMetre,
+      f.mass / units_.mass / f.length, units_.massName, units_.length);
+  PetscPrintf(comm_, "%s", fibre.c_str());
+  PetscPrintf(comm_,
+              "  segment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 "
+              "%.5g, B3 %.5g, B4 %.5g\n",
+              f.length, units_.length, f.mass / units_.mass, units_.massName,
+              f.inertia / units_.mass, units_.massName, units_.length, b.stretch, b.shear,
+              b.bending, b.torsion);
+}
+
+void Simulation::printPairForces() const {
+  const PairForce* p = forces_->pair();
+  if (!p) {
+    PetscPrintf(comm_, "  pair forces: none\n");
+    return;
+  }
+  const PointChoice& points = p->points();
+  const std::string far = points.far < points.near
+                              ? format(", %d beyond %g to %g %s", points.far, points.blend.from,
+                                       points.blend.to, units_.length)
+                              : "";
+  PetscPrintf(comm_, "  pair forces: %s\n", p->description().c_str());
+  PetscPrintf(comm_,
+              "    %d points a segment%s, expected force error %.2g %% (bundle); within a fibre "
+              "from %d segments (%.5g %s) on\n",
+              points.near, far.c_str(), 100 * expectedForceError(*p, fibre_), p->exclude(),
+              p->exclude() * fibre_.length, units_.length);
+  for (const std::string& warning : pointWarnings(*p, fibre_, units_))
+    PetscPrintf(comm_, "  warning: %s\n", warning.c_str());
+}
+
+void Simulation::printBreakage() const {
+  const BreakageLaw& law = *breakage_;
+  const std::string strain = law.weibull
+                                 ? format("by Weibull's law, shape %g, %g for %g %s", law.shape,
+                                          law.strain0, law.length0, units_.length)
+                                 : format("of %g +- %g for %g %s", law.mean, law.deviation,
+                                          fibre_.diameter(), units_.length);
+  const std::string along = law.perFibre && law.scatter > 0
+                                ? format(" with a scatter of %g of it along the fibre", law.scatter)
+                                : "";
+  PetscPrintf(comm_, "  bonds break at a strain %s, one draw per %s%s, seed %llu\n", strain.c_str(),
+              law.perFibre ? "fibre" : "bond", along.c_str(),
+              static_cast<unsigned long long>(law.seed));
+}
+
 void Simulation::printHeader() const {
-  const BondParameters& b = fibre_.bond;
   PetscPrintf(comm_, "nanoweft %s: %d rank%s x %d thread%s\n", NANOWEFT_VERSION, state_->ranks(),
               state_->ranks() > 1 ? "s" : "", threads_, threads_ > 1 ? "s" : "");
   if (threads_ < threadsAsked_)
@@ -34,27 +91,9 @@ void Simulation::printHeader() const {
   PetscPrintf(comm_, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n",
               static_cast<long long>(state_->total()), box_.length(0), box_.length(1),
               box_.length(2), units_.length, box_.periodic[0], box_.periodic[1], box_.periodic[2]);
-  PetscPrintf(comm_,
-              "  segment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 "
-              "%.5g, B3 %.5g, B4 %.5g\n",
-              fibre_.length, units_.length, fibre_.mass / units_.mass, units_.massName,
-              fibre_.inertia / units_.mass, units_.massName, units_.length, b.stretch, b.shear,
-              b.bending, b.torsion);
-  if (const PairForce* p = forces_->pair()) {
-    const PointChoice& points = p->points();
-    const std::string far = points.far < points.near
-                                ? format(", %d beyond %g to %g %s", points.far, points.blend.from,
-                                         points.blend.to, units_.length)
-                                : "";
-    PetscPrintf(comm_, "  pair forces: %s, %d points a segment%s, cutoff %g %s\n",
-                p->name().c_str(), points.near, far.c_str(), p->cutoff(), units_.length);
-  } else {
-    PetscPrintf(comm_, "  pair forces: none\n");
-  }
-  if (breakage_)
-    PetscPrintf(comm_, "  bonds break at a strain of %g +- %g, one draw per %s, seed %llu\n",
-                breakage_->mean, breakage_->deviation, breakage_->perFibre ? "fibre" : "bond",
-                static_cast<unsigned long long>(breakage_->seed));
+  printFibre();
+  printPairForces();
+  if (breakage_) printBreakage();
   if (const auto& t = boundaries_.tension())
     PetscPrintf(
         comm_, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, rate %g 1/%s\n",

@@ -35,11 +35,12 @@ void readDamping(Options& options, const UnitSystem& units, bool pairs, RunSetti
   const std::string angular = std::string(units.energy) + " " + units.time;
   r.viscous.linear = viscous.real(
       "damping_viscous", 0.0, linear.c_str(),
-      "viscous force between interacting segments per difference of velocity", nonNegative);
-  r.viscous.angular =
-      viscous.real("damping_viscous_angular", 0.0, angular.c_str(),
-                   "viscous torque between interacting segments per difference of angular velocity",
-                   nonNegative);
+      "viscous force between two lengths of 2 rf that interact, per difference of velocity",
+      nonNegative);
+  r.viscous.angular = viscous.real("damping_viscous_angular", 0.0, angular.c_str(),
+                                   "viscous torque between two lengths of 2 rf that interact, per "
+                                   "difference of angular velocity",
+                                   nonNegative);
 }
 
 void readPartition(Options& options, RunSettings& r) {
@@ -108,7 +109,7 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   r.dt =
       run.as(Role::step)
           .maybeReal(
-              "ts_dt", "20 in nano, 0.4 of the stable limit in si", units.time,
+              "ts_dt", "20 fs for cnt_10_10, else 0.4 of the stable step", units.time,
               "time step; the longest with -relax_method fire (by default from the stable limit)",
               positive);
   r.fire = run.choice("relax_method", "dynamics", {"dynamics", "fire"},
@@ -161,22 +162,6 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   readPartition(options, r);
   readOutputs(options, r);
   return r;
-}
-
-std::optional<BreakageLaw> readBreakage(Options& options, std::uint64_t seed) {
-  OptionSection s(options, "Breakage (on when any of these is given)");
-  BreakageLaw law;
-  const bool wanted = s.given("break_strain_mean") || s.given("break_strain_std") ||
-                      s.given("break_seed") || s.given("break_per");
-  law.mean = s.real("break_strain_mean", 0.3, "", "mean of the bonds' critical strains", positive);
-  law.deviation = s.real("break_strain_std", 0.05, "", "standard deviation of the critical strains",
-                         nonNegative);
-  law.seed = static_cast<std::uint64_t>(
-      s.maybeInteger("break_seed", "that of -seed", "seed of the critical strains", 0, most)
-          .value_or(static_cast<long>(seed)));
-  law.perFibre = s.choice("break_per", "bond", {"bond", "fibre"},
-                          "one critical strain for each bond, or for each fibre") == "fibre";
-  return wanted ? std::optional(law) : std::nullopt;
 }
 
 void readDomain(Options& options, const UnitSystem& units, Box& box) {

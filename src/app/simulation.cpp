@@ -50,9 +50,10 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
       pairLaw_(readPairForce(options, units_, fibre_)),
       settings_(readRunSettings(options, units_, pairLaw_ != nullptr)),
       wallLimit_(settings_.wallTime),
-      breakage_(readBreakage(options, settings_.seed)),
-      scene_(readScene(options, {units_, fibre_, comm}, options.helpWanted() || restartHeader_)),
-      boundaries_(options, units_, fibre_),
+      breakage_(readBreakage(options, units_, fibre_, settings_.seed)),
+      scene_(readScene(options, {units_, fibre_, comm, restDistance()},
+                       options.helpWanted() || restartHeader_)),
+      boundaries_(options, units_, fibre_, restDistance()),
       energyMonitor_(options, "energy_monitor", "energies through a viewer: ascii:FILE.csv, draw",
                      {timeColumn(units_), "stretch", "shear", "bending", "torsion", "pair",
                       "kinetic", "rotational", "total", "damped", "external", "broken"},
@@ -85,12 +86,18 @@ Simulation::Simulation(MPI_Comm comm, Options& options, int threads, bool atMost
         "-tension_rate");
   if (settings_.fire) requireRest();
   if (breakage_ && pairLaw_ && pairLaw_->exclude() > mostExcludeWithBreakage)
-    throw InputError(format("-pair_exclude %d: at most %d with breakage", pairLaw_->exclude(),
-                            mostExcludeWithBreakage));
+    throw InputError(
+        format("-pair_exclude %d: at most %d with breakage (by default 20 diameters over the "
+               "segment length)",
+               pairLaw_->exclude(), mostExcludeWithBreakage));
   provenance_ = readProvenance(comm, options, startHeader(), restartHeader_.has_value());
   seeNewStep(options);
   checkOutputs();
   build();
+}
+
+double Simulation::restDistance() const {
+  return pairLaw_ ? pairLaw_->restDistance() : usualRestDistance(fibre_, units_);
 }
 
 const StateHeader* Simulation::startHeader() const {
@@ -192,7 +199,10 @@ void Simulation::build() {
   force.fibre = fibre_;
   force.pair = std::move(pairLaw_);
   force.breakage = breakage_;
-  force.viscous = settings_.viscous;
+  // The options are for two lengths of 2 rf: a rate per length squared.
+  const double lengths = fibre_.length / fibre_.diameter();
+  force.viscous = {settings_.viscous.linear * (lengths * lengths),
+                   settings_.viscous.angular * (lengths * lengths)};
   force.skin = settings_.skin;
   force.threads = threads_;
   forces_ = std::make_unique<ForceField>(std::move(force), box_);

@@ -22,7 +22,7 @@ double Simulation::defaultStep() {
   // While FIRE runs, fibres that were apart may be pressed together.
   if (settings_.fire)
     return fireMargin * std::min(stable, bundleStepLimit(fibre_, forces_->pair()));
-  if (units_.name == "nano") return 20.0;
+  if (fibre_.step > 0) return fibre_.step;
   // A restart keeps the step that was chosen at the start.
   if (restartHeader_ && restartHeader_->run.reals.contains("default_step"))
     return *(defaultStep_ = restartHeader_->run.needReals("default_step", 1)[0]);

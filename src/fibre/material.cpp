@@ -1,6 +1,7 @@
 #include "nanoweft/fibre/material.hpp"
 
 #include <numbers>
+#include <vector>
 
 #include "nanoweft/base/error.hpp"
 
@@ -24,26 +25,33 @@ void Fibre::derive() {
 }
 
 Fibre cnt1010(const UnitSystem& units) {
-  const bool si = units.name == "si";
-  const double angstrom = si ? 1e-10 : 1.0;
   Fibre f;
-  f.radius = 6.78 * angstrom;
-  f.wall = 3.35 * angstrom;
-  f.length = 13.56 * angstrom;
+  f.preset = "cnt_10_10";
+  f.radius = 6.78 * units.angstrom;
+  f.wall = 3.35 * units.angstrom;
+  f.length = 13.56 * units.angstrom;
   f.young = 1029.0 * units.gigapascal;
   f.shear = 459.0 * units.gigapascal;
-  f.mass = 2649.0 * (si ? codata::atomicMass : units.mass);
+  f.mass = 2649.0 * units.amu;
+  f.law = "vdw";
+  f.sheet = 17.1 * units.angstrom;
+  f.step = 20e-15 / units.secondsPerTime;
+  f.strength.length = f.length;
   f.derive();
   return f;
 }
 
 namespace {
 
-/// A PAN-based carbon fibre such as T300: solid, 7 um thick, 230 GPa, 1760 kg/m^3 (the maker's data
-/// sheet, Toray T300); the shear modulus is that along the fibre's axis, about 15 GPa.
+/// A PAN-based carbon fibre such as T300: solid, 7 um thick, 230 GPa, 1760 kg/m^3, breaks at 1.5 %
+/// (the maker's data sheet, Toray T300). Shear modulus along the axis 15 GPa, Young's modulus
+/// across it 15 GPa, and Poisson's ratio there E/(2 G) - 1 with G = 7 GPa: Soden, Hinton and
+/// Kaddour, Composites Science and Technology 58, 1011 (1998). Strength by Weibull's law, as is
+/// usual for fibres of this kind: shape 5, the data sheet's strain for a gage of 25 mm.
 Fibre carbonT300(const UnitSystem& units) {
   const double metre = units.name == "si" ? 1.0 : 1e10;
   Fibre f;
+  f.preset = "carbon_t300";
   f.radius = 3.5e-6 * metre;
   f.wall = 0;
   f.length = 2.0 * f.radius;
@@ -51,41 +59,76 @@ Fibre carbonT300(const UnitSystem& units) {
   f.shear = 15.0 * units.gigapascal;
   const double kilograms = 1760.0 * pi * 3.5e-6 * 3.5e-6 * 7e-6;
   f.mass = units.name == "si" ? kilograms : kilograms / codata::atomicMass * units.mass;
+  f.law = "hertz";
+  f.transverse = 15.0 * units.gigapascal;
+  f.poisson = 15.0 / (2.0 * 7.0) - 1.0;
+  f.strength = {true, 0.015, 0.0025, 5, 0.015, 0.025 * metre};
   f.derive();
   return f;
+}
+
+std::vector<double> whatTheStepDependsOn(const Fibre& f) {
+  return {f.radius,       f.length,     f.mass,         f.inertia,
+          f.bond.stretch, f.bond.shear, f.bond.bending, f.bond.torsion};
+}
+
+/// Reads what the preset's cross-section and moduli are replaced by.
+void readSection(OptionSection& s, const UnitSystem& units, Fibre& f) {
+  const char* fromPreset = "of the preset";
+  f.radius = s.maybeReal("fibre_radius", fromPreset, units.length, "radius rf", positive)
+                 .value_or(f.radius);
+  f.wall = s.maybeReal("fibre_wall", fromPreset, units.length,
+                       "wall of a thin-walled tube; 0: a solid round fibre", nonNegative)
+               .value_or(f.wall);
+  if (f.diameter() < f.wall)
+    throw InputError(
+        format("-fibre_wall %g: thicker than the fibre (radius %g)", f.wall, f.radius));
+  if (auto e = s.maybeReal("fibre_young", fromPreset, "GPa", "Young's modulus E", positive))
+    f.young = *e * units.gigapascal;
+  if (auto g = s.maybeReal("fibre_shear", fromPreset, "GPa", "shear modulus G", positive))
+    f.shear = *g * units.gigapascal;
+  if (auto e = s.maybeReal("fibre_transverse_young", fromPreset, "GPa",
+                           "Young's modulus across the axis, for contacts", positive))
+    f.transverse = *e * units.gigapascal;
+  f.poisson = s.maybeReal("fibre_poisson", "of the preset, or 0.3", "",
+                          "Poisson's ratio across the axis, for contacts", {-0.999, 0.5})
+                  .value_or(f.poisson);
+}
+
+/// Reads length and mass of a segment; `preset` as it was before readSection.
+void readSegment(OptionSection& s, const UnitSystem& units, const Fibre& preset, Fibre& f) {
+  const auto length = s.maybeReal("fibre_segment_length", "2 rf", units.length,
+                                  "length T of a segment = rest length of a bond", positive);
+  f.length = length ? *length : f.radius == preset.radius ? preset.length : f.diameter();
+  const auto density = s.maybeReal("fibre_density", "of the preset", "kg/m^3",
+                                   "mass over the cross-section's volume", positive);
+  const auto mass = s.maybeReal("fibre_segment_mass", "from the density", units.massName,
+                                "mass of a segment", positive);
+  if (density && mass) throw InputError("-fibre_density, -fibre_segment_mass: give one of the two");
+  f.mass = preset.mass / preset.length * f.length;
+  if (density) f.mass = *density * units.kilogramPerCubicMetre * f.crossSection() * f.length;
+  if (mass) f.mass = *mass * units.mass;
+  if (density || mass || (f.radius == preset.radius && f.wall == preset.wall)) return;
+  const double asPreset = preset.density();
+  throw InputError(format(
+      "%s %g changes the cross-section of the preset %s: give -fibre_density %.5g (kg/m^3, that of "
+      "the preset) or -fibre_segment_mass %.6g (%s, by that density)",
+      f.radius != preset.radius ? "-fibre_radius" : "-fibre_wall",
+      f.radius != preset.radius ? f.radius : f.wall, f.preset.c_str(),
+      asPreset / units.kilogramPerCubicMetre, asPreset * f.crossSection() * f.length / units.mass,
+      units.massName));
 }
 
 }  // namespace
 
 Fibre readFibre(Options& options, const UnitSystem& units) {
   OptionSection s(options, "Fibre");
-  const std::string preset = s.choice("fibre_preset", "cnt_10_10", {"cnt_10_10", "carbon_t300"},
-                                      "material and cross-section to start from");
-  Fibre f = preset == "carbon_t300" ? carbonT300(units) : cnt1010(units);
-  const char* fromPreset = "of the preset";
-  const double massPerLength = f.mass / f.length;
-  f.radius = s.maybeReal("fibre_radius", fromPreset, units.length, "radius rf", positive)
-                 .value_or(f.radius);
-  f.wall = s.maybeReal("fibre_wall", fromPreset, units.length,
-                       "wall of a thin-walled tube; 0: a solid round fibre", nonNegative)
-               .value_or(f.wall);
-  if (auto e = s.maybeReal("fibre_young", fromPreset, "GPa", "Young's modulus E", positive))
-    f.young = *e * units.gigapascal;
-  if (auto g = s.maybeReal("fibre_shear", fromPreset, "GPa", "shear modulus G", positive))
-    f.shear = *g * units.gigapascal;
-  const auto length = s.maybeReal("fibre_segment_length", "2 rf of the preset", units.length,
-                                  "length T of a segment = rest length of a bond", positive);
-  if (length)
-    f.length = *length;
-  else if (s.given("fibre_radius"))
-    f.length = 2.0 * f.radius;
-  f.mass = massPerLength * f.length;
-  if (auto m = s.maybeReal("fibre_segment_mass", "of the preset, scaled with T", units.massName,
-                           "mass of a segment", positive))
-    f.mass = *m * units.mass;
-  if (2.0 * f.radius < f.wall)
-    throw InputError(
-        format("-fibre_wall %g: thicker than the fibre (radius %g)", f.wall, f.radius));
+  const std::string name = s.choice("fibre_preset", "cnt_10_10", {"cnt_10_10", "carbon_t300"},
+                                    "material and cross-section to start from");
+  const Fibre preset = name == "carbon_t300" ? carbonT300(units) : cnt1010(units);
+  Fibre f = preset;
+  readSection(s, units, f);
+  readSegment(s, units, preset, f);
   f.derive();
   if (auto inertia = s.maybeReal("fibre_segment_inertia", "m rf^2 (tube), m rf^2/2 (solid)",
                                  (std::string(units.massName) + " " + units.length + "^2").c_str(),
@@ -101,9 +144,10 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
     if (!((*b)[0] > 0 && (*b)[1] > 0 && antisymmetric > 0 && (*b)[3] > 0))
       throw InputError(
           "-fibre_bond_stiffness: needs B1, B2, B4 and B2/4 + B3 + B4/2 all positive, or the bond "
-          "is "
-          "unstable at rest");
+          "is unstable at rest");
   }
+  if (f.radius != preset.radius) f.sheet = 0;
+  if (whatTheStepDependsOn(f) != whatTheStepDependsOn(preset)) f.step = 0;
   return f;
 }
 

@@ -4,17 +4,10 @@
 #include <cstring>
 #include <utility>
 
-#include "nanoweft/base/random.hpp"
 #include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/gather.hpp"
 
 namespace nanoweft {
-
-double BreakageLaw::criticalStrain(std::int64_t fibre, std::int32_t index) const {
-  // Index 0xffffffff is no segment's: the fibre's own draw.
-  const auto counter = perFibre ? 0xffffffffu : static_cast<std::uint32_t>(index);
-  return mean + deviation * normalDraw(seed, Purpose::breakage, fibre, counter);
-}
 
 void BondList::build(const State& state, const Domain& domain, const std::vector<Share>& shares,
                      const std::optional<BreakageLaw>& law) {
@@ -30,7 +23,9 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
       auto push = [&](std::int32_t i, std::int32_t j) {
         const std::int32_t other = i == m ? j : i;
         if (mine(other) && other > m) return;
-        const double critical = law ? law->criticalStrain(state.fibre[i], state.chain[2 * i]) : 0.0;
+        const double critical =
+            law ? law->criticalStrain(state.fibre[i], state.chain[2 * i], state.chain[2 * i + 1])
+                : 0.0;
         bonds.parts[mine(other)             ? own
                     : other < state.owned() ? shared
                                             : outer]

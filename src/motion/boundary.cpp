@@ -22,9 +22,10 @@ double Tension::strain(double time) const {
   return before + (t < ramp ? rate * t * t / (2.0 * ramp) : rate * (t - 0.5 * ramp));
 }
 
-Boundaries::Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre) {
+Boundaries::Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre,
+                       double restDistance) {
   readNamed(options, units);
-  readTension(options, units, fibre);
+  readTension(options, units, fibre, restDistance);
 }
 
 void Boundaries::readNamed(Options& options, const UnitSystem& units) {
@@ -98,7 +99,8 @@ void Boundaries::readOneNamed(Options& options, const std::string& name) {
   boundaries_.push_back(b);
 }
 
-void Boundaries::readTension(Options& options, const UnitSystem& units, const Fibre& fibre) {
+void Boundaries::readTension(Options& options, const UnitSystem& units, const Fibre& fibre,
+                             double restDistance) {
   OptionSection ask(options, "Tension test");
   const bool wanted =
       ask.given("tension_rate") || ask.given("tension_axis") || ask.given("tension_grip");
@@ -110,15 +112,15 @@ void Boundaries::readTension(Options& options, const UnitSystem& units, const Fi
       s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
   t.axis = axis[0] - 'x';
   if (s.given("tension_axis")) asked_.axis = t.axis;
-  t.rate = s.maybeReal("tension_rate", "2e-7 in nano, 2e8 in si", perTime.c_str(),
+  t.rate = s.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(),
                        "engineering strain rate; turns the test on", positive)
                .value_or(2e8 * units.secondsPerTime);
   t.ramp = s.maybeReal("tension_ramp", "0.01 strain at full rate", units.time,
                        "time of constant acceleration at the start", nonNegative)
                .value_or(0.01 / t.rate);
-  asked_.grip = s.maybeReal("tension_grip", "5 T", units.length,
+  asked_.grip = s.maybeReal("tension_grip", "10 rf", units.length,
                             "length of each grip, from the ends of the piece inwards", positive);
-  t.grip = asked_.grip.value_or(5.0 * fibre.length);
+  t.grip = asked_.grip.value_or(10.0 * fibre.radius);
   if (const auto ends = s.reals("tension_ends", 2, "its outermost segments", units.length,
                                 "where the piece ends; what lies beyond is held by the grips")) {
     asked_.ends = {(*ends)[0], (*ends)[1]};
@@ -132,9 +134,10 @@ void Boundaries::readTension(Options& options, const UnitSystem& units, const Fi
   asked_.width = s.maybeReal("tension_width", "measured at the start", units.length,
                              "width of the fabric, for the stress", positive);
   t.width = asked_.width.value_or(0.0);
-  asked_.thickness = s.maybeReal("tension_thickness", "17.1 in nano, 17.1e-10 in si", units.length,
-                                 "thickness of the fabric, for the stress", positive);
-  t.thickness = asked_.thickness.value_or(17.1e-10 / (units.name == "si" ? 1.0 : 1e-10));
+  asked_.thickness =
+      s.maybeReal("tension_thickness", "17.1 A for cnt_10_10, else the rest distance", units.length,
+                  "thickness of the fabric, for the stress", positive);
+  t.thickness = asked_.thickness.value_or(fibre.sheet > 0 ? fibre.sheet : restDistance);
   t.fresh =
       s.flag("tension_new", false,
              "a test of its own, even when the state that the run starts from has been pulled "

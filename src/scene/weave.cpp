@@ -2,9 +2,9 @@
 /// under each other in turn (physics.md 8).
 ///
 /// Each fibre follows z = +-A cos(pi (s/p - 1/2)) with the pitch p between crossings, so that at a
-/// crossing the two are 2A apart: -weave_gap, by default the distance where two (10,10) tubes rest,
-/// 2.558049 rf. Segments are set along the curve one bond length (chord) after another, so bonds
-/// start unstretched and fibres cover less ground than their length.
+/// crossing the two are 2A apart: -weave_gap, by default the distance where two fibres rest.
+/// Segments are set along the curve one bond length (chord) after another, so bonds start
+/// unstretched and fibres cover less ground than their length.
 #include <cmath>
 #include <numbers>
 
@@ -16,9 +16,6 @@ namespace nanoweft {
 namespace {
 
 using std::numbers::pi;
-
-/// r0/rf of physics.md 4.1.
-constexpr double restOverRadius = 17.343571 / 6.78;
 
 /// One fibre's centre line in its own plane: s along the family's direction, z up.
 class Wave {
@@ -225,9 +222,9 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
   p.pitch = s.maybeReal("weave_pitch", "so that the fibres just cover the piece",
                         context.units.length, "distance between neighbouring fibres", positive)
                 .value_or(0.0);
-  p.gap = s.maybeReal("weave_gap", "2.558049 rf", context.units.length,
+  p.gap = s.maybeReal("weave_gap", "rest distance of the pair law", context.units.length,
                       "distance between the two fibres at a crossing", positive)
-              .value_or(restOverRadius * context.fibre.radius);
+              .value_or(context.restDistance);
   p.periodic = s.flag("weave_periodic", false, "periodic in x and y, every fibre closed on itself");
   if (!active) return nullptr;
   if (p.periodic && (p.alongX % 2 || p.alongY % 2))

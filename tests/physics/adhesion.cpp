@@ -47,7 +47,8 @@ TEST(Adhesion, ReferencePairsThroughTheProgram) {
   box.upper[0] = 300.0 * static_cast<double>(rows.size()) + 1000;
   writeState(folder / "in.h5", fibres, box);
   for (int ranks : {1, 3}) {
-    const double found = pairEnergy(folder, "-state_output out.h5 -state_forces", ranks);
+    const double found = pairEnergy(
+        folder, "-pair_points 3 -pair_far_points 3 -state_output out.h5 -state_forces", ranks);
     EXPECT_NEAR(found, energy, 1e-9 * std::abs(energy));
     const auto force = readDataset(folder / "out.h5", "/state/force"),
                torque = readDataset(folder / "out.h5", "/state/torque");
@@ -89,10 +90,11 @@ TEST(Adhesion, ParallelTubesHaveThePublishedEnergyPerLength) {
 TEST(Adhesion, NeighboursAlongAFibreAreExcluded) {
   // Two segments in line, k places apart: within the cutoff up to k = 4 (points 4 T - 2/3 T apart).
   const Folder folder;
+  const std::string points = "-pair_points 3 -pair_far_points 3 ";
   auto inLine = [&](int places) {
     writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 1),
                                   straightFibre({13.56 * places, 0, 0}, {1, 0, 0}, 1)});
-    return pairEnergy(folder, "");
+    return pairEnergy(folder, points);
   };
   const double three = inLine(3), four = inLine(4);
   EXPECT_LT(three, four);
@@ -100,9 +102,9 @@ TEST(Adhesion, NeighboursAlongAFibreAreExcluded) {
   EXPECT_EQ(inLine(5), 0.0);
   // So a straight fibre of 30 has 27 such pairs 3 places apart and 26 pairs 4 places apart.
   writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 30)});
-  EXPECT_NEAR(pairEnergy(folder, "-pair_exclude 3"), 27 * three + 26 * four, 1e-9);
-  EXPECT_NEAR(pairEnergy(folder, "-pair_exclude 4"), 26 * four, 1e-9);
-  EXPECT_EQ(pairEnergy(folder, "-pair_exclude 5"), 0.0);
+  EXPECT_NEAR(pairEnergy(folder, points + "-pair_exclude 3"), 27 * three + 26 * four, 1e-9);
+  EXPECT_NEAR(pairEnergy(folder, points + "-pair_exclude 4"), 26 * four, 1e-9);
+  EXPECT_EQ(pairEnergy(folder, points + "-pair_exclude 5"), 0.0);
 }
 
 TEST(Adhesion, PairNoneIsFreeOfPairs) {

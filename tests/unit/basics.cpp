@@ -84,10 +84,10 @@ TEST(Random, NormalMoments) {
 
 TEST(Random, CriticalStrainsPerBondOrFibre) {
   BreakageLaw law;
-  EXPECT_NE(law.criticalStrain(3, 0), law.criticalStrain(3, 1));
+  EXPECT_NE(law.criticalStrain(3, 0, 100), law.criticalStrain(3, 1, 100));
   law.perFibre = true;
-  EXPECT_EQ(law.criticalStrain(3, 0), law.criticalStrain(3, 1));
-  EXPECT_NE(law.criticalStrain(3, 0), law.criticalStrain(4, 0));
+  EXPECT_EQ(law.criticalStrain(3, 0, 100), law.criticalStrain(3, 1, 100));
+  EXPECT_NE(law.criticalStrain(3, 0, 100), law.criticalStrain(4, 0, 100));
 }
 
 TEST(ExactSum, DoesNotDependOnOrder) {

@@ -10,7 +10,8 @@ namespace {
 
 TEST(FarPoints, ManyPointsNearFewFar) {
   const auto near = makeForce("-pair_points 3"), far = makeForce("-pair_points 1"),
-             both = makeForce("-pair_points 3 -pair_far_points 1");
+             both = makeForce(
+                 "-pair_points 3 -pair_far_points 1 -pair_far_from 33.9 -pair_far_width 6.78");
   Random random;
   for (double distance : {15.0, 20.0, 30.0, 33.8}) {
     const auto pair = pairAt(distance, random);

@@ -7,6 +7,9 @@
 
 #include "helpers.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/material.hpp"
 #include "nanoweft/force/pair_force.hpp"
 
 namespace nanoweft::test {

@@ -49,8 +49,6 @@ std::string readRestart(Options& options);
 /// Reads -units next, since all others depend on it.
 const UnitSystem& readUnits(Options& options);
 RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pairs);
-/// Breakage is on when any of its options is given.
-std::optional<BreakageLaw> readBreakage(Options& options, std::uint64_t seed);
 /// Replaces what -domain_lower, -domain_upper and -domain_periodic say.
 void readDomain(Options& options, const UnitSystem& units, Box& box);
 

@@ -59,6 +59,8 @@ class Simulation {
     wallTime = 64
   };
 
+  /// Of two fibres that touch; while the pair law has not been handed to the forces.
+  double restDistance() const;
   /// Throws InputError when something keeps moving.
   void requireRest() const;
   /// Of the file that the state comes from, or null.
@@ -122,6 +124,9 @@ class Simulation {
 
   void printHeader() const;
   void printRestart() const;
+  void printFibre() const;
+  void printPairForces() const;
+  void printBreakage() const;
   void printProgress();
   void printSummary() const;
   void printDampingShare() const;

@@ -26,7 +26,12 @@ inline std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
 }
 
 /// What a draw is for, so that draws for different purposes never share a counter.
-enum class Purpose : std::uint32_t { breakage = 1, perturbation = 2, stepEstimate = 3 };
+enum class Purpose : std::uint32_t {
+  breakage = 1,
+  perturbation = 2,
+  stepEstimate = 3,
+  errorEstimate = 4
+};
 
 /// Two uniform numbers in (0, 1) that belong to (seed, purpose, fibre, index).
 inline std::array<double, 2> uniformPair(std::uint64_t seed, Purpose purpose, std::int64_t fibre,

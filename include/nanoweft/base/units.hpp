@@ -23,6 +23,11 @@ struct UnitSystem {
   const char* energy;
   const char* force;
   double secondsPerTime;  ///< seconds in one internal time unit
+  // What defaults are written in:
+  double angstrom;               ///< internal length of 1 A
+  double electronvolt;           ///< internal energy of 1 eV
+  double amu;                    ///< internal mass of 1 amu
+  double kilogramPerCubicMetre;  ///< internal density of 1 kg/m^3
 };
 
 /// Angstrom, femtosecond, electronvolt; masses are typed in amu.
@@ -33,13 +38,37 @@ inline const UnitSystem& nanoUnits() {
   constexpr double gpa = 1e9 / (codata::electronvolt * 1e30);
   static_assert(amu > 103.642696 && amu < 103.642698);
   static_assert(gpa > 6.241508e-3 && gpa < 6.241510e-3);
-  static const UnitSystem units{"nano", amu, gpa, "amu", "A", "fs", "eV", "eV/A", 1e-15};
+  static const UnitSystem units{"nano",
+                                amu,
+                                gpa,
+                                "amu",
+                                "A",
+                                "fs",
+                                "eV",
+                                "eV/A",
+                                1e-15,
+                                1.0,
+                                1.0,
+                                amu,
+                                1e-30 / codata::atomicMass * amu};
   return units;
 }
 
 /// Metre, second, kilogram, joule.
 inline const UnitSystem& siUnits() {
-  static const UnitSystem units{"si", 1.0, 1e9, "kg", "m", "s", "J", "N", 1.0};
+  static const UnitSystem units{"si",
+                                1.0,
+                                1e9,
+                                "kg",
+                                "m",
+                                "s",
+                                "J",
+                                "N",
+                                1.0,
+                                1e-10,
+                                codata::electronvolt,
+                                codata::atomicMass,
+                                1.0};
   return units;
 }
 

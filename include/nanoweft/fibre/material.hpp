@@ -21,6 +21,14 @@ struct BondParameters {
   double torsion = 0;  ///< B4 = G Jp/T                  (eV)
 };
 
+/// What a material's breakage defaults to (breakage_law.hpp says what the numbers mean).
+struct Strength {
+  bool weibull = false;
+  double mean = 0.3, deviation = 0.05;  ///< of a length of 2 rf, normal law
+  double shape = 7, strain = 0.3;       ///< Weibull's law
+  double length = 0;                    ///< L0 of Weibull's law
+};
+
 /// One kind of fibre, in internal units.
 struct Fibre {
   double radius = 0;   ///< rf
@@ -32,6 +40,17 @@ struct Fibre {
   double inertia = 0;  ///< of a segment, isotropic
   BondParameters bond;
 
+  // What other defaults follow from:
+  std::string preset;        ///< name of what the options started from
+  std::string law = "none";  ///< usual -pair
+  double transverse = 0;     ///< Young's modulus across the axis; 0: not known
+  double poisson = 0.3;      ///< Poisson's ratio across the axis
+  double sheet = 0;          ///< thickness of a woven sheet; 0: the rest distance of the pair law
+  double step = 0;           ///< usual time step; 0: from the stable step
+  Strength strength;
+
+  double diameter() const { return 2.0 * radius; }
+  double density() const { return mass / (crossSection() * length); }
   double crossSection() const;                                               ///< S
   double secondMoment() const;                                               ///< J
   double bendingRigidity() const { return young * secondMoment(); }          ///< E J
@@ -45,7 +64,8 @@ struct Fibre {
 /// 1029 GPa, 459 GPa, 2649 amu a segment) in the given units.
 Fibre cnt1010(const UnitSystem& units);
 
-/// Reads -fibre_preset and the single parameters that override it.
+/// Reads -fibre_preset and the single parameters that override it. Throws InputError when the
+/// cross-section is not the preset's and neither mass nor density says what it weighs.
 Fibre readFibre(Options& options, const UnitSystem& units);
 
 }  // namespace nanoweft

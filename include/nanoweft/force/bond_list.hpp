@@ -7,21 +7,11 @@
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/fibre/breakage_law.hpp"
 #include "nanoweft/force/pair_list.hpp"
 #include "nanoweft/state/state.hpp"
 
 namespace nanoweft {
-
-/// When bonds break (physics.md 7): at a strain drawn from a normal distribution by (seed, fibre,
-/// index).
-struct BreakageLaw {
-  double mean = 0.3, deviation = 0.05;
-  std::uint64_t seed = 1;
-  bool perFibre = false;  ///< one draw per fibre instead of one per bond
-
-  /// Critical strain of the bond from segment `index` of `fibre` to its successor.
-  double criticalStrain(std::int64_t fibre, std::int32_t index) const;
-};
 
 struct BondTally {
   ExactSum stretch, shear, bending, torsion;

@@ -1,14 +1,29 @@
-/// Hertzian repulsion without adhesion: u(r) = K (2 rf - r)^(5/2) where fibres overlap, else zero
-/// (physics.md 4.2; Hertz's contact of spheres, with K = (4/15) E* sqrt(R/2) for spheres of radius
-/// R).
+/// Soft repulsion without adhesion: u(r) = K (2 rf - r)^(5/2) where fibres overlap, else zero; u is
+/// the energy of two segments of length 2 rf, so w = u/(2 rf)^2 per length squared.
+///
+/// Two fibres crossed at a right angle, an overlap d deep, press each other apart with
+/// 2 pi r w(r) = pi K d^(5/2)/rf (d << rf), bodies of the same shape after Hertz with
+/// (4/3) E* sqrt(rf) d^(3/2). `hertzStiffness` makes both equal for an overlap of rf/10, the
+/// deepest that a fibre should see: shallower contacts are softer than Hertz's. 1/E* = 2 (1 -
+/// nu^2)/E with the modulus across the axis.
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include "nanoweft/base/simd.hpp"
 #include "nanoweft/force/pair_table.hpp"
 
 namespace nanoweft {
+
+/// Overlap over rf for which -hertz_stiffness follows from the modulus.
+inline constexpr double hertzOverlap = 0.1;
+
+/// K for fibres of a transverse modulus `young` and Poisson's ratio `poisson`.
+inline double hertzStiffness(double young, double poisson, double radius) {
+  const double reduced = young / (2.0 * (1.0 - poisson * poisson));
+  return 4.0 / (3.0 * std::numbers::pi) * reduced * std::sqrt(radius) / hertzOverlap;
+}
 
 class Hertz {
  public:

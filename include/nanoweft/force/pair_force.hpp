@@ -1,10 +1,14 @@
-/// Forces between segments of different fibres: a law u(r), summed over n points on each axis
-/// (physics.md 4):
+/// Forces between segments of different fibres: a law w(r), an energy per length squared, summed
+/// over n points on each axis:
 ///
-///     U_ij = (1/n^2) sum_a sum_b u(|p_jb - p_ia|),   p_ia = x_i + (a - (n-1)/2) T/n e1_i
+///     U_ij = (T^2/n^2) sum_a sum_b w(|p_jb - p_ia|),   p_ia = x_i + (a - (n-1)/2) T/n e1_i
 ///
+/// What two fibres feel therefore does not depend on T beyond the error of the sum. The laws' code
+/// holds u = T^2 w.
 /// Pairs far apart may use fewer points; pair_sift.hpp says how one sum gives way to the other.
-/// Laws are chosen by name; a new one is a header like hertz.hpp and an entry in pair_force.cpp.
+/// Laws are chosen by name; a new one is a header like hertz.hpp, an entry in pair_force_read.cpp
+/// and a makePairForce in pair_force.cpp, which holds the kernels' instances and takes long to
+/// compile.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +16,18 @@
 #include <string>
 
 #include "nanoweft/base/exact_sum.hpp"
-#include "nanoweft/base/options.hpp"
-#include "nanoweft/base/units.hpp"
-#include "nanoweft/fibre/material.hpp"
 #include "nanoweft/force/pair_draw.hpp"
 #include "nanoweft/force/sums.hpp"
 #include "nanoweft/force/switch.hpp"
 #include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
+
+class Options;
+class PairTable;
+class Hertz;
+struct Fibre;
+struct UnitSystem;
 
 /// Viscous damping of interacting pairs (physics.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
 struct ViscousDamping {
@@ -64,6 +71,26 @@ struct PointChoice {
   Switch blend;  ///< centre distances where `far` takes over; at infinity when it never does
 };
 
+inline constexpr int mostPairPoints = 9;
+
+/// What a law says of itself.
+struct PairTraits {
+  std::string description;      ///< name and parameters with units
+  double cutoff = 0;            ///< distance of points beyond which there is no force
+  double restDistance = 0;      ///< of two fibres that touch
+  double closestSensible = 0;   ///< below it fibres have passed through each other
+  double contactStiffness = 0;  ///< bound of u'' in repulsive contact
+  double largestForce = 0;      ///< bound of |u'|
+};
+
+/// How a law is summed.
+struct PairChoice {
+  PointChoice points;
+  int exclude = 20;
+  double length = 0;  ///< T of a segment
+  bool single = false;
+};
+
 class PairForce {
  public:
   virtual ~PairForce() = default;
@@ -77,30 +104,45 @@ class PairForce {
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
   /// One pair on its own, `separation` = x_j - x_i: for what looks at the pairs now and then.
   virtual PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
+  /// The same with `n` points a segment, however far it is; ei, ej: axes.
+  virtual PairAction average(int n, const Vec3d& separation, const Vec3d& ei,
+                             const Vec3d& ej) const = 0;
   /// Smallest distance of two points of the pair.
   virtual double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
 
-  const std::string& name() const { return name_; }
+  const std::string& description() const { return traits_.description; }
   const PointChoice& points() const { return points_; }
   int exclude() const { return exclude_; }
   double cutoff() const { return cutoff_; }
   /// Centre distance beyond which no two points of a pair are within the cutoff.
   double reach() const { return reach_; }
-  double closestSensible() const { return closestSensible_; }
-  double contactStiffness() const { return contactStiffness_; }
+  double restDistance() const { return traits_.restDistance; }
+  double closestSensible() const { return traits_.closestSensible; }
+  double contactStiffness() const { return traits_.contactStiffness; }
   double forceUnit() const { return forceUnit_; }
   double torqueUnit() const { return torqueUnit_; }
 
  protected:
-  std::string name_;
+  PairTraits traits_;
   PointChoice points_;
   int exclude_ = 0;
-  double length_ = 0, cutoff_ = 0, reach_ = 0, closestSensible_ = 0, contactStiffness_ = 0;
+  double length_ = 0, cutoff_ = 0, reach_ = 0;
   double forceUnit_ = 1, torqueUnit_ = 1;
 };
 
-/// Reads -pair and the options of the laws; empty for `none`.
+std::unique_ptr<PairForce> makePairForce(const PairTable& law, const PairTraits& traits,
+                                         const PairChoice& choice);
+std::unique_ptr<PairForce> makePairForce(const Hertz& law, const PairTraits& traits,
+                                         const PairChoice& choice);
+/// Is -pair_precision single faster than double in this build?
+bool singlePrecisionPays();
+
+/// Reads -pair and the options of the laws (pair_force_read.cpp); empty for `none`.
 std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units,
                                          const Fibre& fibre);
+
+/// Distance of two fibres that touch under the preset's usual law with its usual parameters: where
+/// they lie in a scene without pair forces.
+double usualRestDistance(const Fibre& fibre, const UnitSystem& units);
 
 }  // namespace nanoweft

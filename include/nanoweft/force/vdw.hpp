@@ -1,12 +1,13 @@
 /// Van der Waals adhesion between fibres with a linear repulsion at contact (physics.md 4.1; Table
-/// 2 and eq. (5) of the paper, with the splice settled):
+/// 2 and eq. (5) of the paper, with the splice settled), as a function of the gap between surfaces:
 ///
-///     v(r) = 4 eps (A / D^alpha - B / D^beta),  D = r/rf - 2
+///     v(r) = 4 eps (A / D^alpha - B / D^beta),  D = (r - 2 rf)/lambda
 ///     u(r) = v(r)                                          r >  rs
 ///     u(r) = v(rs) + v'(rs) (r - rs) + k (r - rs)^2        r <= rs
 ///
 /// `smooth`: rs is where v'' = 2k, so the stiffness is continuous too; `kink`: rs is the minimum of
-/// v. A C2 switch takes the energy to zero between -pair_switch and -pair_cutoff.
+/// v. A C2 switch takes the energy to zero between -pair_switch and -pair_cutoff. u is the energy
+/// of two segments of length 2 lambda; `of` makes it that of two segments of any length.
 #pragma once
 
 #include <cmath>
@@ -21,21 +22,33 @@ struct VdwParameters {
   double a = 0.0223, b = 1.31;
   double alpha = 9.5, beta = 4.0;
   double stiffness = 200.0;                   ///< k, eV/A^2
+  double length = 6.78;                       ///< lambda, A
   double radius = 6.78;                       ///< rf, A
   double switchFrom = 40.68, cutoff = 54.24;  ///< A
   bool smooth = true;                         ///< else the kink splice
+
+  /// The parameters for two segments of length `segment`.
+  VdwParameters of(double segment) const {
+    VdwParameters p = *this;
+    const double lengths = segment / (2.0 * length), squared = lengths * lengths;
+    p.epsilon *= squared;
+    p.stiffness *= squared;
+    return p;
+  }
 };
 
 class Vdw {
  public:
-  explicit Vdw(const VdwParameters& p) : p_(p), switch_{p.switchFrom, p.cutoff} {
+  explicit Vdw(const VdwParameters& p)
+      : p_(p), switch_{p.switchFrom, p.cutoff}, contact_(2.0 * p.radius / p.length) {
     splice_ = restDistance();
     if (p.smooth) {
       // v'' falls from infinity to zero at the inflection, beyond the minimum: bisect for 2k.
-      double low = (2.0 + 1e-3 * distance(splice_)) * p.radius;
-      double high = (2.0 + std::pow(p.alpha * (p.alpha + 1) * p.a / (p.beta * (p.beta + 1) * p.b),
-                                    1.0 / (p.alpha - p.beta))) *
-                    p.radius;
+      double low = (contact_ + 1e-3 * distance(splice_)) * p.length;
+      double high =
+          (contact_ + std::pow(p.alpha * (p.alpha + 1) * p.a / (p.beta * (p.beta + 1) * p.b),
+                               1.0 / (p.alpha - p.beta))) *
+          p.length;
       for (int k = 0; k < 200 && low < high; ++k) {
         const double middle = 0.5 * (low + high);
         (curvature(middle) > 2.0 * p.stiffness ? low : high) = middle;
@@ -49,8 +62,8 @@ class Vdw {
   double cutoff() const { return p_.cutoff; }
   /// Where the potential without its switch is lowest.
   double restDistance() const {
-    return (2.0 + std::pow(p_.alpha * p_.a / (p_.beta * p_.b), 1.0 / (p_.alpha - p_.beta))) *
-           p_.radius;
+    return (contact_ + std::pow(p_.alpha * p_.a / (p_.beta * p_.b), 1.0 / (p_.alpha - p_.beta))) *
+           p_.length;
   }
   double spliceDistance() const { return splice_; }
   /// Below this distance the walls of two fibres interpenetrate (D <= 0).
@@ -82,24 +95,25 @@ class Vdw {
   }
 
  private:
-  double distance(double r) const { return r / p_.radius - 2.0; }
+  double distance(double r) const { return r / p_.length - contact_; }
   double attraction(double r) const {
     const double d = distance(r);
     return 4.0 * p_.epsilon * (p_.a * std::pow(d, -p_.alpha) - p_.b * std::pow(d, -p_.beta));
   }
   double attractionSlope(double r) const {
     const double d = distance(r);
-    return 4.0 * p_.epsilon / (p_.radius * d) *
+    return 4.0 * p_.epsilon / (p_.length * d) *
            (p_.beta * p_.b * std::pow(d, -p_.beta) - p_.alpha * p_.a * std::pow(d, -p_.alpha));
   }
   double curvature(double r) const {
-    const double d = distance(r), al = p_.alpha, be = p_.beta, width = p_.radius * d;
+    const double d = distance(r), al = p_.alpha, be = p_.beta, width = p_.length * d;
     return 4.0 * p_.epsilon / (width * width) *
            (al * (al + 1) * p_.a * std::pow(d, -al) - be * (be + 1) * p_.b * std::pow(d, -be));
   }
 
   VdwParameters p_;
   Switch switch_;
+  double contact_;  ///< 2 rf in units of lambda
   double splice_ = 0, spliceEnergy_ = 0, spliceSlope_ = 0;
 };
 

@@ -54,7 +54,8 @@ struct Tension {
 
 class Boundaries {
  public:
-  Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre);
+  /// `restDistance` of two fibres that touch: default of the sheet's thickness.
+  Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre, double restDistance);
 
   /// Finds the members of the groups and starts the clocks. `record`: of the file that the state
   /// comes from. A restart goes on as it says; a new stage goes on with its tension test alone.
@@ -78,7 +79,8 @@ class Boundaries {
 
  private:
   void readNamed(Options& options, const UnitSystem& units);
-  void readTension(Options& options, const UnitSystem& units, const Fibre& fibre);
+  void readTension(Options& options, const UnitSystem& units, const Fibre& fibre,
+                   double restDistance);
   void readOneNamed(Options& options, const std::string& name);
   void attachNamed(State& state, const RunRecord& record, bool restart);
   void attachTension(State& state);

@@ -20,6 +20,7 @@ struct SceneContext {
   const UnitSystem& units;
   const Fibre& fibre;
   MPI_Comm comm;
+  double restDistance;  ///< of two fibres that touch
 };
 
 /// The poses of one fibre's segments.

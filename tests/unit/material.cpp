@@ -1,0 +1,192 @@
+/// Fibres from options, in both systems of units, and the defaults that follow from them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/force/hertz.hpp"
+#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/quadrature.hpp"
+#include "nanoweft/force/vdw.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+using std::numbers::pi;
+
+/// Calls `read` with these options set.
+template <class Read>
+auto with(const std::string& text, const Read& read) {
+  petsc(PetscOptionsClear(nullptr));
+  petsc(PetscOptionsInsertString(nullptr, text.c_str()));
+  Options options;
+  auto result = read(options);
+  petsc(PetscOptionsClear(nullptr));
+  return result;
+}
+
+Fibre fibreOf(const std::string& text, const UnitSystem& units) {
+  return with(text, [&](Options& options) { return readFibre(options, units); });
+}
+
+std::unique_ptr<PairForce> pairOf(const std::string& text, const UnitSystem& units) {
+  return with(text, [&](Options& options) {
+    const Fibre fibre = readFibre(options, units);
+    return readPairForce(options, units, fibre);
+  });
+}
+
+TEST(Fibre, DensityIsMassOverTheCrossSectionInBothSystems) {
+  // A solid round fibre 5 um in radius of 1000 kg/m^3: 1000 pi r^2 2r = 7.853982e-13 kg a segment.
+  const double kilograms = 1000 * pi * 25e-12 * 1e-5;
+  const std::string preset = "-fibre_preset carbon_t300 -fibre_density 1000 -fibre_radius ";
+  const Fibre si = fibreOf(preset + "5e-6", siUnits()), nano = fibreOf(preset + "5e4", nanoUnits());
+  EXPECT_NEAR(si.mass / kilograms, 1.0, 1e-14);
+  EXPECT_NEAR(nano.mass / nanoUnits().mass * codata::atomicMass / kilograms, 1.0, 1e-14);
+  EXPECT_NEAR(nano.density() / nanoUnits().kilogramPerCubicMetre, 1000, 1e-9);
+  // A tube's cross-section is 2 pi h rf.
+  const Fibre tube = fibreOf("-fibre_density 2000 -fibre_radius 10 -fibre_wall 3", nanoUnits());
+  EXPECT_NEAR(tube.mass / nanoUnits().mass * codata::atomicMass, 2000 * 2 * pi * 30e-20 * 20e-10,
+              1e-38);
+}
+
+TEST(Fibre, AnotherCrossSectionNeedsAMassOrADensity) {
+  for (const char* text :
+       {"-fibre_radius 7", "-fibre_wall 3", "-fibre_wall 0",
+        "-fibre_preset carbon_t300 -fibre_radius 5e4", "-fibre_preset carbon_t300 -fibre_wall 10"})
+    EXPECT_THROW(fibreOf(text, nanoUnits()), InputError) << text;
+  EXPECT_THROW(fibreOf("-fibre_density 2000 -fibre_segment_mass 2600", nanoUnits()), InputError);
+  EXPECT_EQ(fibreOf("-fibre_radius 6.78 -fibre_wall 3.35", nanoUnits()).mass,
+            cnt1010(nanoUnits()).mass);
+  EXPECT_EQ(fibreOf("-fibre_radius 7 -fibre_segment_mass 2800", nanoUnits()).mass,
+            2800 * nanoUnits().mass);
+  // The message's own numbers are the right ones.
+  try {
+    fibreOf("-fibre_preset carbon_t300 -fibre_radius 5e-6", siUnits());
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find("-fibre_density 1760 "), std::string::npos) << said;
+    EXPECT_NE(said.find("-fibre_segment_mass 1.3823e-12 "), std::string::npos) << said;
+  }
+  petsc(PetscOptionsClear(nullptr));
+}
+
+TEST(Fibre, TheUsualStepBelongsToThePresetAsItIs) {
+  EXPECT_EQ(fibreOf("", nanoUnits()).step, 20.0);
+  EXPECT_NEAR(fibreOf("", siUnits()).step, 20e-15, 1e-29);
+  EXPECT_EQ(fibreOf("-fibre_segment_length 13.56 -fibre_young 1029", nanoUnits()).step, 20.0);
+  for (const char* text : {"-fibre_segment_length 6.78", "-fibre_young 500",
+                           "-fibre_segment_mass 1000", "-fibre_preset carbon_t300"})
+    EXPECT_EQ(fibreOf(text, nanoUnits()).step, 0.0) << text;
+}
+
+TEST(PairDefaults, OfTheTube) {
+  const auto pair = pairOf("", nanoUnits());
+  EXPECT_EQ(pair->points().near, 5);
+  EXPECT_EQ(pair->points().far, 1);
+  EXPECT_EQ(pair->points().blend.from, 30.0);
+  EXPECT_EQ(pair->points().blend.to, 32.0);
+  EXPECT_EQ(pair->cutoff(), 4 * 13.56);
+  EXPECT_EQ(pair->exclude(), 20);
+  EXPECT_EQ(pair->restDistance(), 17.343571 / 6.78 * 6.78);
+  const auto si = pairOf("", siUnits());
+  EXPECT_NEAR(si->cutoff() / 54.24e-10, 1.0, 1e-14);
+  EXPECT_NEAR(si->restDistance() / 17.343571e-10, 1.0, 1e-14);
+  EXPECT_EQ(si->points().near, 5);
+  EXPECT_NEAR(si->points().blend.to / 32e-10, 1.0, 1e-14);
+  EXPECT_NEAR(si->contactStiffness() / (pair->contactStiffness() * codata::electronvolt * 1e20),
+              1.0, 1e-14);
+}
+
+TEST(PairDefaults, PointsAndExclusionFollowTheSegmentLength) {
+  struct Case {
+    const char* length;
+    int near, far, exclude;
+  };
+  for (const Case& c : {Case{"6.78", 3, 1, 40}, Case{"4.52", 2, 1, 60}, Case{"13.56", 5, 1, 20},
+                        Case{"27.12", 9, 2, 10}, Case{"20", 8, 2, 14}}) {
+    const auto pair = pairOf(std::string("-fibre_segment_length ") + c.length, nanoUnits());
+    EXPECT_EQ(pair->points().near, c.near) << c.length;
+    EXPECT_EQ(pair->points().far, c.far) << c.length;
+    EXPECT_EQ(pair->exclude(), c.exclude) << c.length;
+    EXPECT_EQ(pair->cutoff(), 4 * 13.56);
+  }
+  // Points that are given are those of all pairs.
+  EXPECT_EQ(pairOf("-pair_points 7", nanoUnits())->points().far, 7);
+}
+
+TEST(PairDefaults, TheGapDoesNotGrowWithTheTube) {
+  // Twice the radius: rest and cutoff 13.56 A further out, the same well.
+  const auto thin = pairOf("", nanoUnits()),
+             thick = pairOf("-fibre_radius 13.56 -fibre_density 2273", nanoUnits());
+  EXPECT_NEAR(thick->restDistance() - thin->restDistance(), 13.56, 1e-12);
+  EXPECT_NEAR(thick->cutoff() - thin->cutoff(), 13.56, 1e-12);
+  VdwParameters p, q;
+  q.radius = 13.56;
+  q.switchFrom += 13.56;
+  q.cutoff += 13.56;
+  const Vdw one(p), other(q);
+  for (double r : {15.0, 16.5, 17.3, 20.0, 30.0, 45.0, 54.0}) {
+    const auto a = one(r * r), b = other((r + 13.56) * (r + 13.56));
+    EXPECT_NEAR(a.energy, b.energy, 1e-11 * std::abs(a.energy) + 1e-14);
+  }
+}
+
+TEST(PairDefaults, CrossedHertzFibresPressAsHertzSaysAtATenthOfARadius) {
+  // F = 2 pi r w(r) for crossed fibres, w = u/(2 rf)^2.
+  const double radius = 3.5e-6, young = 15e9, poisson = 0.07, overlap = 0.1 * radius;
+  const double K = hertzStiffness(young, poisson, radius), r = 2 * radius - overlap;
+  const Hertz law(K, radius);
+  const double force = 2 * pi * r * law(r * r).energy / (4 * radius * radius);
+  const double reduced = young / (2 * (1 - poisson * poisson));
+  // r is 5 % below 2 rf, which the formula leaves out.
+  EXPECT_NEAR(force / (4.0 / 3.0 * reduced * std::sqrt(radius) * std::pow(overlap, 1.5)), 0.95,
+              1e-12);
+}
+
+TEST(PairDefaults, CarbonFibresTouchByTheirTransverseModulus) {
+  const auto si = pairOf("-fibre_preset carbon_t300", siUnits()),
+             nano = pairOf("-fibre_preset carbon_t300", nanoUnits());
+  EXPECT_NEAR(si->restDistance(), 7e-6, 1e-20);
+  EXPECT_NEAR(nano->restDistance(), 7e4, 1e-8);
+  // 1 J/m^2.5 = 1/e * 1e-25 eV/A^2.5; u'' = 3.75 K sqrt(overlap).
+  EXPECT_NEAR(si->contactStiffness() / (nano->contactStiffness() * codata::electronvolt * 1e20),
+              1.0, 1e-12);
+  EXPECT_EQ(si->points().near, nano->points().near);
+}
+
+TEST(ForceError, TheEstimateFallsWithPointsAndMeetsTheBundles) {
+  const Fibre tube = cnt1010(nanoUnits());
+  auto error = [&](const char* text) {
+    return expectedForceError(*pairOf(text, nanoUnits()), tube);
+  };
+  const double three = error("-pair_points 3"), five = error("-pair_points 5"), usual = error(""),
+               nine = error("-pair_points 9");
+  EXPECT_GT(three, 10 * five);
+  EXPECT_GT(five, nine);
+  EXPECT_LT(usual, 0.05);
+  EXPECT_GT(usual, five);
+  // The same numbers in metres.
+  const Fibre si = cnt1010(siUnits());
+  EXPECT_NEAR(expectedForceError(*pairOf("", siUnits()), si) / usual, 1.0, 1e-6);
+}
+
+TEST(ForceError, PointsTooCoarseForTheLawAreNamed) {
+  const Fibre tube = cnt1010(nanoUnits());
+  auto warnings = [&](const char* text) {
+    return pointWarnings(*pairOf(text, nanoUnits()), tube, nanoUnits());
+  };
+  EXPECT_TRUE(warnings("").empty());
+  EXPECT_TRUE(warnings("-pair_points 2").empty());  // 6.78 A apart, 0.8 of 11.45 A is 9.16 A
+  ASSERT_EQ(warnings("-pair_points 1").size(), 1u);
+  EXPECT_NE(warnings("-pair_points 1")[0].find("take 2 at least"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace nanoweft::test
