@@ -530,6 +530,8 @@ void Simulation::goOnPulling(const RunRecord& record) {
 RunRecord Simulation::stageRecord(const char* purpose) const {
   RunRecord record;
   record.texts = provenanceTexts(provenance_, purpose);
+  // By it a later stage knows whether its bonds are the same.
+  record.reals["fibre"] = fibreFingerprint(fibre_);
   boundaries_.save(record, state_->time);
   record.reals["tension_strength"] = {strength_};
   return record;
@@ -543,7 +545,6 @@ RunRecord Simulation::runRecord(const char* purpose) const {
     record.integers[accountNames[k]] =
         std::vector<std::int64_t>(sums[k].data(), sums[k].data() + 3);
   record.reals["relax_elastic"] = {lastElastic_, static_cast<double>(settings_.relaxInterval)};
-  record.reals["fibre"] = fibreFingerprint(fibre_);
   record.reals["time_step"] = {verlet_->dt()};
   if (defaultStep_) record.reals["default_step"] = {*defaultStep_};
   if (fire_) fire_->save(record);
