@@ -87,15 +87,17 @@ class Collector {
   void readFile(const std::string& file, const std::string& where, bool forceYaml) {
     if (static_cast<int>(open_.size()) > deepestNesting)
       refuse(where, format("files are nested more than %d deep", deepestNesting));
-    FileKey key;
-    const std::string text = readText(file, where, largestFile, key);
-    total_ += text.size();
-    if (total_ > largestFile) refuse(where, "all files of options are larger than 64 MB");
+    TextFile input(file, where);
+    const FileKey key = input.key();
     for (const auto& [name, other] : open_)
       if (other == key) refuse(where, "files that include each other (" + name + ")");
+    // A second reading would find nothing, or wait for ever.
     if (!key.regular && std::ranges::find(drained_, key) != drained_.end())
       refuse(where, "has been read before and can be read once only");
     if (!key.regular) drained_.push_back(key);
+    const std::string text = input.read(largestFile);
+    total_ += text.size();
+    if (total_ > largestFile) refuse(where, "all files of options are larger than 64 MB");
     open_.emplace_back(file, key);
     const std::size_t prefixes = prefixes_.size();
     if (forceYaml || isYaml(file, text))

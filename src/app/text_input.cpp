@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "nanoweft/app/signals.hpp"
 #include "nanoweft/base/error.hpp"
@@ -19,25 +20,6 @@ namespace nanoweft {
 namespace {
 
 constexpr std::size_t longestLine = 1 << 20;
-
-class Descriptor {
- public:
-  explicit Descriptor(const std::string& file)
-      // Without O_NONBLOCK a pipe that nobody writes to could not be given up.
-      : fd_(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
-    // A socket cannot be opened by its name.
-    if (fd_ < 0 && errno == ENXIO && file == "/dev/stdin") fd_ = dup(STDIN_FILENO);
-  }
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// Waits for bytes or for the end; false: a system error.
 bool await(int fd) {
@@ -117,30 +99,47 @@ std::vector<Word> wordsOf(const std::string& text, std::size_t begin, std::size_
 
 }  // namespace
 
-std::string readText(const std::string& file, const std::string& where, std::size_t most,
-                     FileKey& key) {
-  const Descriptor input(file);
+TextFile::TextFile(std::string file, std::string where)
+    : file_(std::move(file)),
+      where_(std::move(where)),
+      // Without O_NONBLOCK a pipe that nobody writes to could not be given up.
+      descriptor_(open(file_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+  // A socket cannot be opened by its name.
+  if (descriptor_ < 0 && errno == ENXIO && file_ == "/dev/stdin") descriptor_ = dup(STDIN_FILENO);
+  if (descriptor_ < 0) refuseUnreadable(where_, file_, errno);
   struct stat status {};
-  if (input.get() < 0 || fstat(input.get(), &status) != 0) refuseUnreadable(where, file, errno);
-  if (S_ISDIR(status.st_mode)) refuse(where, "cannot be read: it is a folder");
-  key = {status.st_dev, status.st_ino, S_ISREG(status.st_mode)};
+  const int code = fstat(descriptor_, &status), error = errno;
+  if (code == 0 && !S_ISDIR(status.st_mode)) {
+    key_ = {status.st_dev, status.st_ino, S_ISREG(status.st_mode)};
+    return;
+  }
+  close(descriptor_);
+  if (code != 0) refuseUnreadable(where_, file_, error);
+  refuse(where_, "cannot be read: it is a folder");
+}
+
+TextFile::~TextFile() {
+  close(descriptor_);
+}
+
+std::string TextFile::read(std::size_t most) {
   std::string text;
   std::vector<char> block(1 << 16);
   while (true) {
     errno = 0;
-    if (!await(input.get())) refuseUnreadable(where, file, errno);
-    const ssize_t count = read(input.get(), block.data(), block.size());
+    if (!await(descriptor_)) refuseUnreadable(where_, file_, errno);
+    const ssize_t count = ::read(descriptor_, block.data(), block.size());
     if (count == 0) break;
     if (count < 0) {
       if (errno == EAGAIN || errno == EINTR) continue;
-      refuseUnreadable(where, file, errno);
+      refuseUnreadable(where_, file_, errno);
     }
     text.append(block.data(), static_cast<std::size_t>(count));
     if (text.size() > most)
-      refuse(where, format("is larger than %zu MB, which no file of options is", most >> 20));
+      refuse(where_, format("is larger than %zu MB, which no file of options is", most >> 20));
     if (text.find('\0', text.size() - static_cast<std::size_t>(count)) != std::string::npos) break;
   }
-  checkLines(text, where);
+  checkLines(text, where_);
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   return text;
 }

@@ -384,12 +384,7 @@ TEST_P(BadInput, IsRefused) {
   writeState(folder / "final.h5", {straightFibre({0, 0, 0}, {0, 1, 0}, 3)});
   output("-energy_monitor", "ascii:energy.csv");
   output("-state_output", "final.h5");
-<<<<<<< HEAD
   output("-checkpoint_file", "c.h5");
-=======
-  output("-checkpoint_file", "final.h5");
-  if (c.options.find("-state_output") == std::string::npos) outputs += " -overwrite";
->>>>>>> cb43ca7 (State files tested: bits, digests, flips, full disks, odd files by hand, whose place a result takes; memory asked for before it is taken)
   const auto before = contents(folder);
   // That another run has written them shall not be what is wrong.
   expectRefused(run(folder, c.options + outputs + " -overwrite", ranks), c.fragments);

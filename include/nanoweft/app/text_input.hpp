@@ -15,11 +15,25 @@ struct FileKey {
   }
 };
 
-/// The whole of a file, pipe or terminal, read once. Throws InputError (`where`: what the message
-/// begins with) when it cannot be read, is no text, is larger than `most` bytes or has a line
-/// longer than 1 MB; throws Interrupted when a signal asks to stop while a pipe keeps it waiting.
-std::string readText(const std::string& file, const std::string& where, std::size_t most,
-                     FileKey& key);
+/// A file, pipe or terminal that is read once and wholly. Throws InputError (`where`: what the
+/// message begins with) when it cannot be.
+class TextFile {
+ public:
+  TextFile(std::string file, std::string where);
+  ~TextFile();
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+
+  const FileKey& key() const { return key_; }
+  /// Throws InputError when it is no text, is larger than `most` bytes or has a line longer than
+  /// 1 MB; throws Interrupted when a signal asks to stop while a pipe keeps it waiting.
+  std::string read(std::size_t most);
+
+ private:
+  std::string file_, where_;
+  int descriptor_;
+  FileKey key_;
+};
 
 struct Word {
   std::string text;
