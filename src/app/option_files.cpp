@@ -92,9 +92,9 @@ class Collector {
     for (const auto& [name, other] : open_)
       if (other == key) refuse(where, "files that include each other (" + name + ")");
     // A second reading would find nothing, or wait for ever.
-    if (!key.regular && std::ranges::find(drained_, key) != drained_.end())
+    if (!key.again && std::ranges::find(drained_, key) != drained_.end())
       refuse(where, "has been read before and can be read once only");
-    if (!key.regular) drained_.push_back(key);
+    if (!key.again) drained_.push_back(key);
     const std::string text = input.read(largestFile);
     total_ += text.size();
     if (total_ > largestFile) refuse(where, "all files of options are larger than 64 MB");

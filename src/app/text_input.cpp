@@ -110,7 +110,7 @@ TextFile::TextFile(std::string file, std::string where)
   struct stat status {};
   const int code = fstat(descriptor_, &status), error = errno;
   if (code == 0 && !S_ISDIR(status.st_mode)) {
-    key_ = {status.st_dev, status.st_ino, S_ISREG(status.st_mode)};
+    key_ = {status.st_dev, status.st_ino, !S_ISFIFO(status.st_mode) && !S_ISSOCK(status.st_mode)};
     return;
   }
   close(descriptor_);

@@ -9,7 +9,7 @@ namespace nanoweft {
 /// What a path names, to tell whether two paths name the same file.
 struct FileKey {
   unsigned long device = 0, inode = 0;
-  bool regular = false;
+  bool again = false;  ///< can be read a second time
   bool operator==(const FileKey& other) const {
     return device == other.device && inode == other.inode;
   }
