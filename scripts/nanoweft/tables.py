@@ -95,7 +95,7 @@ def read(name: str | os.PathLike[str]) -> Table:
     if rows and len(rows[-1]) < len(header):
         rows.pop()
     try:
-        numbers = np.array(rows[1:], float).reshape(-1, len(header))
+        numbers = np.array(rows[1:], float).reshape(len(rows[1:]), len(header))
     except ValueError:
         raise Unusable(f"{name}: a line without {len(header)} numbers") from None
     return Table(str(name), dict(zip(header, numbers.T)), comments)

@@ -6,7 +6,7 @@ import numpy as np
 from ..rotations import matrices
 from . import elastica
 from .common import (
-    CURVES, TUBE, Row, angles_in_plane, in_plane, order, relative, richardson, settle)
+    CURVES, TUBE, Rest, Row, angles_in_plane, in_plane, order, relative, richardson, settle)
 
 T, EJ = TUBE.T, TUBE.EJ
 CLAMP = "-pair none -bc root,tip -root_group 0 -root_fix 1,1,1 -root_fix_rotation -tip_group 1 "
@@ -55,7 +55,7 @@ def beams():
 
         def cantilever(name, load):
             return settle(name, [(straight(n), in_plane(np.zeros(n + 1)))], ends(n),
-                          CLAMP + f"-tip_force 0,0,{load!r}", max(period(n) / 3, 200), 1e-11)
+                          CLAMP + f"-tip_force 0,0,{load!r}", max(period(n) / 3, 200), Rest(1e-11))
         shape = P * s**2 * (3 * L - s) / (6 * EJ)
         rows.append(Row("cantilever", f"deflection at the end, A, {n} bonds (error: worst node)",
                         *small_load_error("cantilever", n, shape, P, cantilever), 1e-9, why))
@@ -69,7 +69,7 @@ def beams():
             return settle(name, [(straight(n), in_plane(np.zeros(n + 1)))], groups,
                           "-pair none -bc left,right,middle -left_group 0 -left_fix 1,1,1 -right_group 1 "
                           f"-right_fix 0,1,1 -middle_group 2 -middle_force 0,0,{load!r}",
-                          max(period(n) / 3, 200), 1e-11)
+                          max(period(n) / 3, 200), Rest(1e-11))
         half = np.minimum(s, L - s)
         shape = P * half * (3 * L**2 - 4 * half**2) / (48 * EJ)
         rows.append(Row("two supports", f"deflection at the centre, A, {n} bonds (error: worst node)",
@@ -85,7 +85,7 @@ def loaded(name, segments, fx, fz, exact):
     f = EJ / L**2
     state = settle(f"{name}_{segments}", [(start, in_plane(angle))], ends(segments),
                    CLAMP + f"-state_forces -tip_force {fx * f!r},0,{fz * f!r}",
-                   max(period(segments) / 3, 200), steps=1000000)
+                   max(period(segments) / 3, 200), Rest(steps=1000000))
     CURVES[f"{name}_{segments}"] = state.whole[:, [0, 2]] / L
     CURVES[f"{name}_exact"] = np.column_stack([exact[1], exact[2]])
     end = state.whole[-1] / L

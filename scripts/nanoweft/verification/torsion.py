@@ -4,7 +4,7 @@ import math
 import numpy as np
 
 from ..rotations import matrices
-from .common import TUBE, in_plane, relative, settle
+from .common import TUBE, Rest, in_plane, relative, settle
 from .bending import ends, straight
 
 
@@ -16,7 +16,7 @@ def twist():
         state = settle(f"twist_{n}_{moment:.3g}", [(straight(n), in_plane(np.zeros(n + 1)))],
                        ends(n),
                        "-pair none -bc root,tip -root_group 0 -root_fix 1,1,1 -root_fix_rotation -tip_group 1 "
-                       f"-tip_torque {moment!r},0,0 -tip_ramp 20000", 2000, 1e-13)
+                       f"-tip_torque {moment!r},0,0 -tip_ramp 20000", 2000, Rest(1e-13))
         frames = matrices(state["orientation"])
         angle = np.unwrap(np.arctan2(frames[:, 2, 1], frames[:, 1, 1]))[-1]
         if what.startswith("small"):
