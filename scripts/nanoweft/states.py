@@ -72,7 +72,7 @@ class State:
 
     def in_order(self) -> Array:
         """Rows by fibre and index."""
-        return np.lexsort((self["index"], self["fibre"]))
+        return np.asarray(np.lexsort((self["index"], self["fibre"])))
 
 
 class StateFile:

@@ -534,7 +534,9 @@
       this.view = $('view');
       this.scene = new THREE.Scene();
       this.camera = new THREE.PerspectiveCamera(28, 1, 1, 1e5);
-      this.renderer = new THREE.WebGLRenderer({ canvas: $('canvas'), antialias: true, alpha: true });
+      this.renderer = new THREE.WebGLRenderer({ canvas: $('canvas'), antialias: true, alpha: true,
+        // A picture taken of the page at any moment shows the fabric.
+        preserveDrawingBuffer: true });
       this.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
       this.orbit = new Orbit(this.camera, this.view, () => this.ask());
       this.curve = new Curve($('curve'), (frame) => this.show(frame));
@@ -554,6 +556,7 @@
       if (wanted.get('theme')) root.dataset.theme = wanted.get('theme');
       this.open(k);
       this.show(Number(wanted.get('frame')) || 0);
+      this.draw();
     }
 
     open(k) {
@@ -622,7 +625,8 @@
       this.renderer.setSize(w, h, false);
       this.camera.aspect = w / h;
       this.camera.updateProjectionMatrix();
-      if (this.tubes) { this.curve.draw(); this.ask(); }
+      // A new size empties the canvas.
+      if (this.tubes) { this.curve.draw(); this.draw(); }
     }
 
     play(on) {
