@@ -1,13 +1,15 @@
 """The error of each setting."""
 
+import math
+
 import numpy as np
 
-from .. import generators
+from .. import generators, rotations, states, tables
 from ..generators import LENGTH
 from ..problems import RunFailed
 from . import independent
 from .program import kept
-from .settings import FINE, WIDE, ranged
+from .settings import DEFAULT, FINE, WIDE, ranged
 
 FINEST_STEP, COARSER_FINEST = 0.3125, 1.25  # fs; the second for a quick run
 
@@ -41,7 +43,7 @@ class Axes:
         """Fills in the errors."""
         work = {"time step": self.step, "points": self.points, "range": self.range,
                 "length": self.length, "far points": self.far_points, "settings": self.whole,
-                "precision": self.precision}
+                "precision": self.precision, "default": self.near_default}
         self.program.each(lambda s: work[s.axis](s), settings)
 
     # Two tubes
@@ -51,7 +53,7 @@ class Axes:
         """What `independent` needs of the options."""
         far = None
         if "pair_far_points" in options:
-            far = (options["pair_far_points"], options["pair_far_from"], 0.5 * LENGTH)
+            far = (options["pair_far_points"], options["pair_far_from"], options["pair_far_width"])
         return {"splice": options["vdw_splice"], "switch": options["pair_switch"],
                 "cutoff": options["pair_cutoff"], "far": far}
 
@@ -122,6 +124,11 @@ class Axes:
         setting.error("collapse", "energy drift", self.drift(setting.options))
         setting.error("collapse", "energy drift without far points", self.drift(near))
 
+    def near_default(self, setting):
+        fine = dict(DEFAULT, pair_points=9)
+        self.two_tubes(setting, fine)
+        self.force_error(setting, fine)
+
     def single_offered(self):
         """Builds for processors without AVX-512 refuse single precision."""
         try:
@@ -191,6 +198,49 @@ class Axes:
         setting.error("free fibre", "bending frequency", self.frequency(T) - 1)
         energy = self.resting(setting.options, T)
         setting.error("two tubes", "corrugation", np.ptp(energy) / energy.min())
+        setting.error("two tubes", "adhesion", energy.mean() / self.adhesion("smooth") - 1)
+        setting.error("20 diameters", "share that breaks",
+                      self.broken_share(T) - self.breaking_share())
+        if T != 0.5 * LENGTH:
+            setting.error("sparse tension", "stress at 5 %",
+                          self.stress(T) / self.stress(0.5 * LENGTH) - 1)
+
+    STRAIN, MEAN, DEVIATION, FIBRES = 0.02, 0.03, 0.005, 600
+
+    def breaking_share(self):
+        """Share of fibres of 20 diameters whose weakest place breaks at STRAIN."""
+        below = 0.5 * math.erfc((self.MEAN - self.STRAIN) / self.DEVIATION / math.sqrt(2))
+        return 1 - (1 - below)**20
+
+    def broken_share(self, T):
+        """The same from FIBRES fibres stretched at once: uncertain by 2 %."""
+        bonds = round(20 * LENGTH / T)
+        position = np.zeros((self.FIBRES, bonds + 1, 3))
+        position[:, :, 0] = np.arange(bonds + 1) * T * (1 + self.STRAIN)
+        position[:, :, 1] = 40.0 * np.arange(self.FIBRES)[:, None]
+        file = self.folder / f"stretched{T:g}.h5"
+        q = rotations.no_rotation(bonds + 1)
+        states.write(file, states.of_fibres([(fibre, q) for fibre in position], [-100] * 3,
+                                            [500, 40 * self.FIBRES, 100]))
+        state, _ = self.program.final({
+            "scene": "file", "scene_file": file, "fibre_segment_length": T, "pair": "none",
+            "ts_dt": 0.001, "ts_max_steps": 1, "energy_alarm": 0, "break_strain_mean": self.MEAN,
+            "break_strain_std": self.DEVIATION})
+        return state["bond_broken"].reshape(self.FIBRES, -1).any(axis=1).mean()
+
+    def stress(self, T):
+        """Stress of a sparse weave at 5 %, GPa: the same piece, cut into segments of T."""
+        file = self.folder / f"stress{T:g}.csv"
+        self.program.run({
+            "scene": "weave", "weave_fibres": "4,4", "weave_segments": round(60 * LENGTH / T),
+            "weave_pitch": 195,
+            "fibre_segment_length": T, "damping_local": 0.4, "ts_dt": 20 * min(1, T / LENGTH)**2,
+            "tension_rate": 4e-6, "tension_ends": "-15,795", "tension_width": 800,
+            "tension_max_strain": 0.05, "monitor_interval": 20, "stress_monitor": f"ascii:{file}"})
+        rows = tables.read(file)
+        late = rows["strain"] > 0.04
+        stress = 0.5 * (rows["stress_left_GPa"] + rows["stress_right_GPa"])
+        return np.polyval(np.polyfit(rows["strain"][late], stress[late], 1), 0.05)
 
     def elastica(self, T, bonds=20 * LENGTH):
         """Tip of a cantilever at rest under P L^2/EJ = 3, over L."""

@@ -53,10 +53,11 @@ def law(r, splice, switch, cutoff):
 
 
 def pair_energies(d, along, n, T, splice, switch, cutoff):
-    """U_ij of parallel segments at distance d whose centres are `along` apart."""
+    """U_ij of parallel segments at distance d whose centres are `along` apart; the law is an energy per
+    length squared."""
     shift = (np.arange(n)[:, None] - np.arange(n)) * T / n
     r = np.sqrt(d[..., None, None]**2 + (along[..., None, None] + shift)**2)
-    return law(r, splice, switch, cutoff).mean(axis=(-1, -2))
+    return (T / LENGTH)**2 * law(r, splice, switch, cutoff).mean(axis=(-1, -2))
 
 
 def tube_energy(d, offset, n, T=LENGTH, splice="smooth", switch=3 * LENGTH, cutoff=4 * LENGTH,

@@ -1,5 +1,5 @@
 """Checks of nanoweft against closed forms and conservation laws, one file for each family."""
-from . import bending, buckling, energy, folded, torsion, tubes, twisted, vibration
+from . import bending, buckling, energy, folded, segment_length, torsion, tubes, twisted, vibration
 
 ALL = {**bending.CHECKS, **buckling.CHECKS, **vibration.CHECKS, **torsion.CHECKS, **twisted.CHECKS,
-       **tubes.CHECKS, **folded.CHECKS, **energy.CHECKS}
+       **tubes.CHECKS, **folded.CHECKS, **energy.CHECKS, **segment_length.CHECKS}

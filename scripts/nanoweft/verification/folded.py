@@ -22,10 +22,9 @@ SIZES = (80, 120)
 
 
 def options(fineness):
-    """Segments `fineness` times shorter: the pair law counts pairs of segments, so its strength goes with T^2."""
+    """Segments `fineness` times shorter."""
     return (f"-fibre_young {1029 * SOFT!r} -fibre_shear {459 * SOFT!r} -fibre_segment_length {T / fineness!r} "
-            f"-pair_points {POINTS} -pair_exclude {20 * fineness} -pair_switch {3 * T} -pair_cutoff {4 * T} "
-            f"-vdw_epsilon {0.07124 / fineness**2!r} -vdw_stiffness {200 / fineness**2!r} -ts_dt {20 / fineness} "
+            f"-pair_points {POINTS} -ts_dt {20 / fineness} "
             "-energy_monitor ascii:{dir}/energy.csv -monitor_interval 2000 ")
 
 
