@@ -18,12 +18,12 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from nanoweft import generators, runs, states, tables  # noqa: E402
 from nanoweft.generators import LENGTH  # noqa: E402
 
-WEAVE = "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.05"
+WEAVE = "-weave_fibres 6,6 -weave_segments 36 -weave_periodic -scene_perturb 0.05 -pair_points 3"
 # Tubes hot enough that contacts work: 0.1 A off their places.
-BUNDLE = "-scene file -scene_file {bundle} -scene_perturb 0.1"
+BUNDLE = "-scene file -scene_file {bundle} -scene_perturb 0.1 -pair_points 3"
 LOCAL = "-damping_local 0.4"
 # Tubes 0.3 A off their places but straight: motion of contacts alone.
-STRAIGHT = "-scene file -scene_file {straight}"
+STRAIGHT = "-scene file -scene_file {straight} -pair_points 3"
 SCENES = {"weave": (WEAVE, 1200), "bundle": (BUNDLE, 1200), "straight tubes": (STRAIGHT, 1200),
           "damped weave": (f"{WEAVE} {LOCAL}", 12000)}
 INNER = (1, 2, 3)
@@ -93,7 +93,7 @@ def errors(folder):
 # Stress in tension, damped
 
 def tension(folder):
-    options = (f"-weave_fibres 6,6 -weave_segments 90 {LOCAL} -tension_rate 2e-6 -tension_ramp 3000 "
+    options = (f"-weave_fibres 6,6 -weave_segments 90 -pair_points 3 {LOCAL} -tension_rate 2e-6 -tension_ramp 3000 "
                "-tension_max_strain 0.05 -stress_monitor ascii:{bundle}.csv")
     print("| inner | step, fs | stress | energy balance |\n|---|---|---|---|")
 

@@ -25,7 +25,7 @@ def nanoweft(ranks: int, weave: tuple[int, int], skin: float, steps: int,
              more: str = "") -> Printed:
     """`weave`: fibres each way, segments of a fibre."""
     fibres, segments = weave
-    options = (f"-weave_fibres {fibres},{fibres} -weave_segments {segments} "
+    options = (f"-weave_fibres {fibres},{fibres} -weave_segments {segments} -pair_points 3 "
                f"-pair_skin {skin} -ts_max_steps {steps} {RELAX} {more}")
     return Printed(mpirun(ranks, PROGRAM, *options.split()))
 
