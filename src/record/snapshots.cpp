@@ -47,7 +47,8 @@ std::vector<std::string> numberedFiles(const std::string& name, std::int64_t aft
   for (const auto& entry : fs::directory_iterator(folderOf(name), code)) {
     const std::string leaf = entry.path().filename().string();
     const std::int64_t step = stepInName(leaf, prefix);
-    if (step > after && step <= last) files.push_back((folderOf(name) / leaf).string());
+    if (step > after && step <= last)
+      files.push_back((fs::path(name).parent_path() / leaf).string());
   }
   std::ranges::sort(files);
   return files;
