@@ -323,12 +323,10 @@ TEST(OddState, ValuesThatMakeNoSenseNameTheirRow) {
   expectRefused("viscous", [](hid_t, hid_t g) {
     reals(g, "viscous", std::vector<double>(30, notANumber), 6);
   });
-  expectRefused("fibre_closed", [](hid_t, hid_t g) { reals(g, "fibre_closed", {3, 3, 4}); });
-  expectRead(
-      [](hid_t, hid_t g) {
-        reals(g, "fibre_closed", {3, 3});
-      },
-      [](const State& s) { EXPECT_EQ(s.bond[0], fibreClosed); });
+  expectRefused("fibre 4", [](hid_t, hid_t g) { reals(g, "fibre_closed", {3, 4}); });
+  expectRefused("twice", [](hid_t, hid_t g) { reals(g, "fibre_closed", {3, 3}); });
+  expectRead([](hid_t, hid_t g) { reals(g, "fibre_closed", {3}); },
+             [](const State& s) { EXPECT_EQ(s.bond[0], fibreClosed); });
 }
 
 TEST(OddState, ThingsThatAreNoFilesAreRefusedAtOnce) {

@@ -81,7 +81,7 @@ inline void fillState(State& state) {
 
 inline Box testBox() {
   Box box;
-  box.lower = {0, 0, 0}, box.upper = {10, 11, 12}, box.periodic = {true, false, true};
+  box.lower = {0, 0, 0}, box.upper = {10, 11, 12}, box.periodic = {true, true, true};
   return box;
 }
 
