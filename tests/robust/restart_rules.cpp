@@ -165,7 +165,7 @@ TEST_P(RestartRules, OptionsThatContradictTheCheckpointAreRefused) {
       {"-pair_points 5", "with its default, "},
       {"-damping_local 0.4", "with 0.3"},
       {"-damping_viscous 3", "with its default, 0"},
-      {"-break_strain_mean 0.2", "with its default, 0.3"},
+      {"-break_strain_mean 0.2", "with its default, of the preset"},
       {"-seed 2", "with 1"},
       {"-units si", "with its default, nano"},
       {"-fibre_young 1000", "with its default, of the preset"},
