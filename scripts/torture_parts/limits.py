@@ -90,8 +90,7 @@ def _full_disk(trial: Trial, scene: Scene, whole: pathlib.Path, command: Command
         return
     try:
         if trial.random.random() < 0.5:  # an older checkpoint stands there already
-            earlier = scene.physics() + ["-checkpoint_file", "c.h5", *scene.end(2)]
-            trial.run(Command(earlier))
+            trial.run(Command(scene.physics() + scene.outputs() + scene.end(2)))
             command.options += ["-restart", "c.h5"] if (trial.folder / "c.h5").exists() else []
         _judge(trial, scene, whole, command)
     finally:
