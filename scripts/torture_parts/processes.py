@@ -22,7 +22,7 @@ def environment() -> dict[str, str]:
     found = dict(line.split("=", 1) for line in text.split("\0") if "=" in line)
     # A run of one rank without mpirun would start a daemon of Open MPI's of its own.
     return {**found, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1",
-            "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader",
+            "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader,tcp",
             # mpirun otherwise sleeps for two seconds after each status that is not 0.
             "OMPI_MCA_odls_base_sigkill_timeout": "0"}
 
