@@ -2,7 +2,6 @@
 /// given.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdlib>
 
 #include "nanoweft/base/canonical.hpp"

@@ -7,7 +7,7 @@
 
 namespace nanoweft {
 
-/// The shortest text that reads back as the same number: `0.4`, `2e-7`, `100000`.
+/// The shortest text that reads back as the same number: `0.4`, `2e-7`, `1e5`.
 std::string canonical(double value);
 std::string canonical(long value);
 /// `true` or `false`.
