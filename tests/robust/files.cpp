@@ -1,6 +1,5 @@
 /// State files of whole runs, on several ranks: full disks, places that are another's, memory.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <fstream>
@@ -14,24 +13,6 @@ namespace {
 const std::string weave =
     "-scene weave -weave_fibres 4,4 -weave_segments 100 -progress_interval 0 -ts_max_steps 3 ";
 const std::string fibre = "-scene fibre -fibre_segments 12 -progress_interval 0 -ts_max_steps 2 ";
-
-/// Limits what this process and those that it starts may do, while it lives.
-class Limit {
- public:
-  Limit(__rlimit_resource kind, rlim_t most) : kind_(kind) {
-    ::getrlimit(kind, &before_);
-    struct rlimit now = before_;
-    now.rlim_cur = most;
-    ::setrlimit(kind, &now);
-  }
-  ~Limit() { ::setrlimit(kind_, &before_); }
-  Limit(const Limit&) = delete;
-  Limit& operator=(const Limit&) = delete;
-
- private:
-  __rlimit_resource kind_;
-  struct rlimit before_ {};
-};
 
 /// One line "nanoweft: error: ..." with the fragment.
 void expectEnds(const Outcome& outcome, int status, const std::string& fragment) {
@@ -62,13 +43,9 @@ TEST_P(Files, FullDiskEndsTheRunAndLeavesTheLastCheckpoint) {
   ASSERT_EQ(runAlone(folder, weave + "-checkpoint_file c.h5").status, 0);
   const std::string before = readFile(folder / "c.h5");
   const std::string options =
-      "-restart c.h5 -checkpoint_file c.h5 -progress_interval 0 "
-      "-scene weave -weave_fibres 4,4 -weave_segments 100 -ts_max_steps 6";
-  {
-    const Limit limit(RLIMIT_FSIZE, 60 * 1024);
-    expectEnds(GetParam() == 1 ? runAlone(folder, options) : run(folder, options, GetParam()), 2,
-               "cannot write c.h5: File too large");
-  }
+      "-restart c.h5 -checkpoint_file c.h5 -progress_interval 0 -ts_max_steps 6";
+  expectEnds(runAfter(folder, "ulimit -f 60", options, GetParam()), 2,
+             "cannot write c.h5: File too large");
   EXPECT_TRUE(readFile(folder / "c.h5") == before);
   EXPECT_EQ(namesIn(folder), "c.h5 out.txt ");
 }
@@ -114,10 +91,9 @@ TEST_P(Files, AnEditedSceneIsUsedOnlyWhenThatIsSaid) {
 
 TEST_P(Files, TooManySegmentsForTheMemoryAreRefusedByAll) {
   const Folder folder;
-  const Limit limit(RLIMIT_AS, 3000000000);
-  const std::string options = "-scene fibre -fibre_segments 100000000 -ts_max_steps 1";
-  expectEnds(GetParam() == 1 ? runAlone(folder, options) : run(folder, options, GetParam()), 2,
-             "enough memory");
+  expectEnds(runAfter(folder, "ulimit -v 3000000",
+                      "-scene fibre -fibre_segments 100000000 -ts_max_steps 1", GetParam()),
+             2, "not enough memory");
 }
 
 TEST_P(Files, FifosAndDevicesAreRefusedAtOnce) {

@@ -55,11 +55,13 @@ std::string launch(const Folder& folder, const std::string& start, const std::st
          start + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
 }
 
+std::string onRanks(int ranks) {
+  return "'" NANOWEFT_MPIEXEC "' --quiet --oversubscribe --bind-to none -n " +
+         std::to_string(ranks);
+}
+
 std::string command(const Folder& folder, const std::string& options, int ranks, int threads) {
-  return launch(
-      folder,
-      "'" NANOWEFT_MPIEXEC "' --quiet --oversubscribe --bind-to none -n " + std::to_string(ranks),
-      options, threads);
+  return launch(folder, onRanks(ranks), options, threads);
 }
 
 Outcome finish(const Folder& folder, int status) {
@@ -76,6 +78,12 @@ Outcome run(const Folder& folder, const std::string& options, int ranks, int thr
 
 Outcome runAlone(const Folder& folder, const std::string& options) {
   return finish(folder, std::system(("(" + launch(folder, "", options, 1) + ")").c_str()));
+}
+
+Outcome runAfter(const Folder& folder, const std::string& first, const std::string& options,
+                 int ranks) {
+  const std::string start = onRanks(ranks) + " bash -c '" + first + "; exec \"$0\" \"$@\"'";
+  return finish(folder, std::system(("(" + launch(folder, start, options, 1) + ")").c_str()));
 }
 
 Outcome runBeside(const Folder& folder, const std::string& options, int ranks,

@@ -35,6 +35,10 @@ struct Outcome {
 Outcome run(const Folder& folder, const std::string& options, int ranks = 1, int threads = 1);
 /// One rank without mpirun, which takes two seconds to notice a failure.
 Outcome runAlone(const Folder& folder, const std::string& options);
+/// As run, where each rank's shell does `first` before it becomes the program, as in "ulimit -f
+/// 60".
+Outcome runAfter(const Folder& folder, const std::string& first, const std::string& options,
+                 int ranks = 1);
 /// As run, with a shell command that runs beside it and finds the process id of mpirun in $PID.
 Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
                   const std::string& beside);
