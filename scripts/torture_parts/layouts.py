@@ -24,6 +24,8 @@ def layout_trial(trial: Trial) -> None:
     rng = trial.random
     restart: list[str] = []
     skin = ["-pair_skin", f"{rng.uniform(0.5, 20):.3g}"] if rng.random() < 0.4 else []
+    if "none" in scene.options:
+        skin = []
     for steps in [*_pieces(scene, rng), scene.steps]:
         layout = ["-partition", rng.choice(["dmda", "metis", "auto"]), *skin]
         if layout[1] != "dmda" and rng.random() < 0.3:
