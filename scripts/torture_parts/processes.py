@@ -132,6 +132,7 @@ class Running:
     def __init__(self, binary: str, command: Command, folder: pathlib.Path, prints: pathlib.Path,
                  base: dict[str, str]) -> None:
         self.prints, self.ranks_asked = prints, command.ranks
+        self.name = pathlib.Path(binary).name[:15]
         session = prints / "mpi"
         session.mkdir(parents=True, exist_ok=True)
         variables = {**base, "OMPI_MCA_orte_tmpdir_base": str(session),
@@ -173,7 +174,7 @@ class Running:
         found = []
         for process in descendants(self.process.pid):
             try:
-                if pathlib.Path(f"/proc/{process}/comm").read_text().strip() == "nanoweft":
+                if pathlib.Path(f"/proc/{process}/comm").read_text().strip() == self.name:
                     found.append(process)
             except OSError:
                 pass
