@@ -87,7 +87,8 @@ class CrashLine {
   std::size_t length_ = 0;
 };
 
-void onCrash(int signal) {
+// Not used under sanitizers.
+[[maybe_unused]] void onCrash(int signal) {
   CrashLine line;
   line.add("nanoweft: error: rank ");
   line.add(crashRank);
