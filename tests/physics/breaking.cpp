@@ -74,7 +74,8 @@ TEST(Breaking, PartedPiecesInteractWhenTheyMeetAgain) {
   EXPECT_LT(energies.at("pair").back(), -1.0);  // they have met
   // As one fibre: the bond between the pieces is 80 A long, so it breaks at once.
   writeState(folder / "in.h5", {one});
-  outcome = run(folder, "-scene file -scene_file in.h5 -break_strain_mean 0.3" + move, 2);
+  outcome = run(folder,
+                "-scene file -scene_file in.h5 -start_unchecked -break_strain_mean 0.3" + move, 2);
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto found = readDataset(folder / "out.h5", "/state/position");
   EXPECT_EQ(found, expected);
@@ -97,9 +98,11 @@ TEST(Breaking, OneDrawPerFibreOrPerBond) {
   writeState(folder / "in.h5", fibres, box);
   const std::string common =
       "-scene file -scene_file in.h5 -pair none -ts_max_steps 0 -state_output out.h5 "
-      "-overwrite -break_seed 3 ";
+      "-overwrite -break_seed 3 -start_unchecked ";
   for (const char* per : {"bond", "fibre"}) {
-    const auto outcome = run(folder, common + "-break_per " + per, 2);
+    const auto outcome = run(
+        folder,
+        common + (std::string(per) == "fibre" ? "-break_scatter 0 " : "") + "-break_per " + per, 2);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto broken = readDataset(folder / "out.h5", "/state/bond_broken");
     int count = 0, whole = 0;

@@ -12,7 +12,7 @@
 namespace nanoweft::test {
 namespace {
 
-const std::string fromFile = "-scene file -scene_file in.h5 ";
+const std::string fromFile = "-scene file -scene_file in.h5 -start_unchecked -pair_points 3 ";
 constexpr double speed = 0.005;  // A/fs of each of the two: 1 km/s against each other
 
 double imbalance(const std::map<std::string, std::vector<double>>& csv) {

@@ -14,7 +14,7 @@ namespace {
 
 using tube::pi;
 
-const std::string fromFile = "-scene file -scene_file in.h5 ";
+const std::string fromFile = "-scene file -scene_file in.h5 -start_unchecked ";
 
 /// An untwisted fibre along a curve, one bond length from segment to segment.
 FibreInput fibreAlong(const std::function<Vec3d(double)>& curve, double from, double to) {
@@ -253,9 +253,10 @@ void writeTubes(const std::string& file, int copies, double width) {
 
 TEST(Crowded, BoxBarelyTwoListRangesWideGivesTheForcesOfAWideOne) {
   // Points reach 54.24 A + 2/3 T = 63.28 A; with a skin of 5 A two list ranges are 136.56 A.
-  const std::string options = fromFile +
-                              "-pair_skin 5 -ts_dt 10 -ts_max_steps 200 -energy_monitor "
-                              "ascii:energy.csv -state_output out.h5 -state_forces";
+  const std::string options =
+      fromFile +
+      "-pair_points 3 -pair_skin 5 -ts_dt 10 -ts_max_steps 200 -energy_monitor "
+      "ascii:energy.csv -state_output out.h5 -state_forces";
   std::vector<Vec3d> force[2], velocity[2];
   double first[2], last[2];
   for (int k = 0; k < 2; ++k) {
@@ -284,7 +285,7 @@ TEST(Crowded, BoxBarelyTwoListRangesWideGivesTheForcesOfAWideOne) {
 TEST(Crowded, BoxNarrowerThanTwoListRangesIsRefused) {
   const Folder folder;
   writeTubes(folder / "in.h5", 1, 136.5);
-  const auto outcome = runAlone(folder, fromFile + "-pair_skin 5 -ts_max_steps 1");
+  const auto outcome = runAlone(folder, fromFile + "-pair_points 3 -pair_skin 5 -ts_max_steps 1");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.output.find("too thin along y: 136.5 A"), std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("136.56"), std::string::npos) << outcome.output;

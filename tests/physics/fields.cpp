@@ -65,10 +65,11 @@ TEST(Fields, SumToTheTotalsOfOtherLaws) {
 
 TEST(Fields, EverySegmentHasItsShare) {
   const Folder folder;
-  const auto outcome = run(folder,
-                           "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.3 -ts_max_steps "
-                           "100 -snapshot_file frame -snapshot_interval 100",
-                           2);
+  const auto outcome =
+      run(folder,
+          "-weave_fibres 4,4 -weave_segments 24 -pair_points 3 -scene_perturb 0.3 -ts_max_steps "
+          "100 -snapshot_file frame -snapshot_interval 100",
+          2);
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const std::string file = frame(folder, 100);
   const auto x = readVectors(file, "/state/position");

@@ -122,9 +122,10 @@ TEST(GageStress, TubesPressedTogether) {
   const Folder folder;
   writeState(folder / "in.h5",
              {straightFibre({0, 0, 0}, {1, 0, 0}, 40), straightFibre({0, 0, h}, {1, 0, 0}, 40)});
-  const auto csv = pull(folder,
-                        "-scene file -scene_file in.h5 -tension_grip 80 -tension_width 20 "
-                        "-tension_thickness 10 -ts_max_steps 0");
+  const auto csv =
+      pull(folder,
+           "-scene file -scene_file in.h5 -pair_points 3 -tension_grip 80 -tension_width 20 "
+           "-tension_thickness 10 -ts_max_steps 0");
   double push = 0;
   const Quatd q = straightFibre({0, 0, 0}, {1, 0, 0}, 1).orientation[0];
   for (int k = -6; k <= 6; ++k)

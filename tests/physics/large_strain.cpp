@@ -15,7 +15,7 @@ namespace {
 
 using tube::pi;
 
-const std::string fromFile = "-scene file -scene_file in.h5 -pair none ";
+const std::string fromFile = "-scene file -scene_file in.h5 -pair none -start_unchecked ";
 
 /// Bonds of one kind all along: strain, bend about z between neighbours (chords lie half-way),
 /// twist.

@@ -290,7 +290,7 @@ TEST(StepLimit, RestartWithAnUnsafeStepNamesTheCheckpointItCameFrom) {
                      "-restart c.h5 -pair none -ts_dt 55 -ts_dt_unsafe -ts_max_steps 5000" + file);
   ASSERT_EQ(outcome.status, 2) << outcome.output;
   EXPECT_NE(outcome.output.find("unstable at step"), std::string::npos) << outcome.output;
-  EXPECT_NE(outcome.output.find("the checkpoint c.h5 is good"), std::string::npos)
+  EXPECT_NE(outcome.output.find("the checkpoint c.h5 of step 50 is good"), std::string::npos)
       << outcome.output;
   EXPECT_EQ(readFile(folder / "c.h5"), kept);
   outcome = runAlone(folder, "-restart c.h5 -pair none -ts_max_steps 60" + file);
