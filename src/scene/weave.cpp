@@ -1,5 +1,5 @@
 /// Scene `weave`: a plain weave of two families of fibres, along x and along y, that pass over and
-/// under each other in turn (physics.md 8).
+/// under each other in turn (model.md 8).
 ///
 /// Each fibre follows z = +-A cos(pi (s/p - 1/2)) with the pitch p between crossings, so that at a
 /// crossing the two are 2A apart: -weave_gap, by default the distance where two fibres rest.

@@ -66,7 +66,7 @@ TEST(Adhesion, ReferencePairsThroughTheProgram) {
 }
 
 TEST(Adhesion, ParallelTubesHaveThePublishedEnergyPerLength) {
-  // physics.md 4.1: -0.193731 eV/A at 17.0716 A for the continuous smooth law; the cutoff at 3T to
+  // model.md 4.1: -0.193731 eV/A at 17.0716 A for the continuous smooth law; the cutoff at 3T to
   // 4T changes it by 0.04 %. Two endless tubes: closed fibres through a periodic boundary.
   const Folder folder;
   const int segments = 40;

@@ -297,18 +297,18 @@ TEST(Crowded, SegmentsThatFlyOutOfAnOpenBoxAreKept) {
   const Vec3d directions[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                {0, -1, 0}, {0, 0, 1},  {0.6, 0.8, 0}};
   std::string bytes;
+  const Folder folder;
+  std::vector<FibreInput> fibres;
+  BoxInput box;
+  for (std::size_t f = 0; f < 6; ++f)
+    fibres.push_back(
+        straightFibre(25.0 * directions[f] + Vec3d{0, 0, f == 5 ? 40.0 : 0}, directions[f], 5));
+  box.lower = {-100, -100, -100}, box.upper = {100, 100, 100};
+  writeState(folder / "in.h5", fibres, box);
+  setMotion(
+      folder / "in.h5", [&](std::size_t i, const Vec3d&) { return speed * directions[i / 5]; },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
   for (int ranks : {1, 2, 4}) {
-    const Folder folder;
-    std::vector<FibreInput> fibres;
-    BoxInput box;
-    for (std::size_t f = 0; f < 6; ++f)
-      fibres.push_back(
-          straightFibre(25.0 * directions[f] + Vec3d{0, 0, f == 5 ? 40.0 : 0}, directions[f], 5));
-    box.lower = {-100, -100, -100}, box.upper = {100, 100, 100};
-    writeState(folder / "in.h5", fibres, box);
-    setMotion(
-        folder / "in.h5", [&](std::size_t i, const Vec3d&) { return speed * directions[i / 5]; },
-        [](std::size_t, const Vec3d&) { return Vec3d{}; });
     const auto outcome =
         run(folder, fromFile + "-ts_dt 20 -ts_max_steps 1500 -state_output out.h5", ranks);
     ASSERT_EQ(outcome.status, 0) << outcome.output;

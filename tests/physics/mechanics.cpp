@@ -1,5 +1,5 @@
 /// Beams and rods against the closed forms: the chain is exact at its nodes for small loads, since
-/// a bond's energy is that of a cubic Hermite beam element (physics.md 3).
+/// a bond's energy is that of a cubic Hermite beam element (model.md 3).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -13,7 +13,7 @@ double total(const BondEnergy<double>& e) {
   return e.stretch + e.shear + e.bending + e.torsion;
 }
 
-/// physics.md's formula for the whole, which the parts must sum to.
+/// model.md's formula for the whole, which the parts must sum to.
 double evmEnergy(const BondParameters& b, const Vec3d& separation, const Quatd& qi,
                  const Quatd& qj) {
   const double r = norm(separation);

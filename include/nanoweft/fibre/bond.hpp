@@ -1,4 +1,4 @@
-/// The enhanced-vector-model (EVM) bond between a segment i and its successor j (physics.md 3;
+/// The enhanced-vector-model (EVM) bond between a segment i and its successor j (model.md 3;
 /// Kuzkin and Krivtsov; eq. (2) of the paper with the sign of its last term corrected).
 ///
 /// With d = (x_j - x_i)/r and frames n_i1 = e1_i, n_j1 = -e1_j, n_k2 = e2_k, n_k3 = e3_k:
@@ -6,7 +6,7 @@
 ///     U = B1/2 (r-T)^2 + B2/2 (n_j1 - n_i1).d + B3 n_i1.n_j1 - B4/2 (n_i2.n_j2 + n_i3.n_j3)
 ///         + (B2 + B3 + B4)
 ///
-/// The parts are written as sums of squares of small differences, equal to physics.md's forms, so
+/// The parts are written as sums of squares of small differences, equal to model.md's forms, so
 /// that they keep their relative precision near rest:
 ///
 ///     shear   = B2/8 |e1_i + e1_j - 2d|^2

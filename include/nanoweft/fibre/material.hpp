@@ -1,5 +1,5 @@
 /// From a fibre's material and cross-section to the parameters of its segments and bonds
-/// (physics.md 2; Table 1 of the paper).
+/// (model.md 2; Table 1 of the paper).
 ///
 /// Symbols: rf radius, h wall, T segment length, E Young's and G shear modulus, S cross-section,
 /// J second moment of area, Jp = 2J polar moment, m and I a segment's mass and moment of inertia.

@@ -29,7 +29,7 @@ class Hertz;
 struct Fibre;
 struct UnitSystem;
 
-/// Viscous damping of interacting pairs (physics.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
+/// Viscous damping of interacting pairs (model.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
 struct ViscousDamping {
   double linear = 0, angular = 0;
   explicit operator bool() const { return linear > 0 || angular > 0; }

@@ -161,7 +161,7 @@ struct LaneRow {
   NW_INLINE bool counts(int lane) const { return place < group.count[lane]; }
 };
 
-/// Viscous forces of those pairs of a row of which points are within the cutoff (physics.md 5).
+/// Viscous forces of those pairs of a row of which points are within the cutoff (model.md 5).
 /// Not inlined: seldom used, it would take registers from the rest.
 template <int N>
 [[gnu::noinline]] void addViscous(const PairJob& job, const KernelUnits& units,

@@ -1,4 +1,4 @@
-/// Van der Waals adhesion between fibres with a linear repulsion at contact (physics.md 4.1; Table
+/// Van der Waals adhesion between fibres with a linear repulsion at contact (model.md 4.1; Table
 /// 2 and eq. (5) of the paper, with the splice settled), as a function of the gap between surfaces:
 ///
 ///     v(r) = 4 eps (A / D^alpha - B / D^beta),  D = (r - 2 rf)/lambda

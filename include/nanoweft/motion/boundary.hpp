@@ -35,7 +35,7 @@ struct Boundary {
   bool constrains() const { return fix[0] || fix[1] || fix[2] || fixRotation; }
 };
 
-/// The tension test (physics.md 8): two grips that move apart along an axis.
+/// The tension test (model.md 8): two grips that move apart along an axis.
 struct Tension {
   int axis = 0;
   double rate = 0, ramp = 0, grip = 0;

@@ -1,4 +1,4 @@
-/// What follows a broken bond, for the pair forces (physics.md 7).
+/// What follows a broken bond, for the pair forces (model.md 7).
 ///
 /// Neighbours along a fibre, closer than -pair_exclude places, do not interact: their distance is
 /// the bonds' business and lies deep inside the repulsion. When a bond between them breaks they

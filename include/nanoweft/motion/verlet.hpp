@@ -1,4 +1,4 @@
-/// Velocity Verlet with exact rotation, damping and constraints (physics.md 5 and 6).
+/// Velocity Verlet with exact rotation, damping and constraints (model.md 5 and 6).
 ///
 /// A step is: half kick, drift, [forces], half kick. Damping acts in each half kick on the force
 /// and velocity of that moment, so a state is complete with positions and velocities.
