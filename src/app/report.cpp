@@ -230,6 +230,12 @@ void Simulation::printSummary() const {
   if (boundaries_.tension())
     PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(),
                 std::max(strength_, lastStress_), static_cast<long long>(e.brokenBonds));
+  // Round-off of balanced forces is far below this; stray fibres in the grips feel nothing else.
+  if (boundaries_.tension() && std::max(strength_, lastStress_) < 1e-9)
+    PetscPrintf(
+        comm_,
+        "warning: the grips have felt no force: nothing joins them (-tension_ends says where "
+        "the piece ends when stray fibres lie beyond)\n");
 }
 
 void Simulation::printDampingShare() const {
