@@ -123,7 +123,7 @@ void Simulation::reportInstability(const std::string& sign) {
   throw RunError(
       format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s%s "
              "(stable limit when last looked at: %.4g); "
-             "take a smaller -ts_dt or more damping",
+             "take a smaller -ts_dt",
              static_cast<long long>(state_->step), segment[0], segment[1], worst.distance,
              units_.length, verlet_->dt(), units_.time, sign.c_str(), presentLimit_));
 }

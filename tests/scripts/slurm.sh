@@ -179,10 +179,12 @@ submit ../run.opts checkpoint.h5 -ts_dt 1000 -ts_dt_unsafe
 serve USR1 0
 expect "an unstable run is not resubmitted" 2 1
 
-enter failed
+enter failed # each rank catches the signal before any of them reports progress
 cat >program <<'END'
 #!/usr/bin/env bash
 trap 'exit 2' USR1
+touch "ready-$OMPI_COMM_WORLD_RANK"
+until [[ -e ready-0 && -e ready-1 ]]; do sleep 0.02; done
 echo ns/day
 for _ in {1..500}; do sleep 0.02; done
 END
