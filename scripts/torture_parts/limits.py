@@ -169,10 +169,12 @@ def _odd_output(trial: Trial, scene: Scene, whole: pathlib.Path, command: Comman
 
 def _odd_input(trial: Trial, scene: Scene, whole: pathlib.Path, command: Command) -> None:
     path = _odd_path(trial)
+    # A program waits for who writes into a pipe.
+    options_file = "/dev/null" if path == "fifo" else path
     command.options = trial.random.choice([
         ["-scene", "file", "-scene_file", path, "-ts_max_steps", "1"],
         [*scene.physics(), *scene.end(), "-restart", path],
-        [*scene.physics(), *scene.end(), "-options_file", path]])
+        [*scene.physics(), *scene.end(), "-options_file", options_file]])
     # Nothing in an options file is what /dev/null and a folder's listing have.
     trial.expect(trial.run(command), *((0, 1) if "-options_file" in command.options else (1,)))
 

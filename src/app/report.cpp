@@ -209,7 +209,7 @@ void Simulation::printSummary() const {
               steps * static_cast<double>(state_->total()) / wall,
               static_cast<double>(resolved) / wall,
               (state_->time - firstTime_) * units_.secondsPerTime * 1e9 / wall * 86400.0,
-              static_cast<long long>(forces_->rebuilds()), domain_->imbalance(),
+              static_cast<long long>(forces_->lists().rebuilds()), domain_->imbalance(),
               static_cast<double>(memory) / 1024.0);
   if (state_->ranks() > 1) {
     const Domain::Census census = domain_->census(*state_);

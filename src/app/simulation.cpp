@@ -218,14 +218,14 @@ void Simulation::build() {
   requireWideBox(box_, 1.5 * fibre_.length, units_.length);
   // Before what else such a start would meet, so that the cause that is named is the cause.
   if (!restartHeader_) checkStart();
-  if (forces_->pair()) requireWideBox(box_, forces_->listRange(), units_.length);
+  if (forces_->pair()) requireWideBox(box_, forces_->lists().range(), units_.length);
   if (threadsAtMost_) {
     const std::int64_t busy = state_->total() / state_->ranks() / segmentsPerThread;
     threads_ = static_cast<int>(std::clamp<std::int64_t>(busy, 1, threads_));
   }
   threadsAsked_ = threads_;
   threads_ = teamGiven(threadsAsked_);
-  forces_->setThreads(threads_);
+  forces_->lists().setThreads(threads_);
   if (!restartHeader_ && settings_.perturb > 0) perturb();
   const RunRecord empty;
   const RunRecord& record = header ? header->run : empty;

@@ -41,7 +41,7 @@ bool closer(const Overlap& a, const Overlap& b) {
 
 Overlap deepestOverlap(const State& state, const ForceField& forces, double below) {
   const Overlap none{std::numeric_limits<double>::infinity(), {0, 0}, {0, 0}, {0, 0}};
-  const auto& lists = forces.pairList().threads();
+  const auto& lists = forces.lists().pairs().threads();
   std::vector<Overlap> found(lists.size(), none);
   const int points = forces.pair() ? forces.pair()->points().near : 1;
   const double half = 0.5 * forces.fibre().length * (points - 1) / points,

@@ -170,7 +170,7 @@ class Drifter {
       : s_(state),
         forces_(forces),
         dt_(dt),
-        tracks_(forces.tracksMotion()),
+        tracks_(forces.lists().tracksMotion()),
         wraps_(state.box.periodic[0] || state.box.periodic[1] || state.box.periodic[2]) {
     // Half a segment in a step is far beyond any stable motion.
     const double farthest = 0.5 * forces.fibre().length / dt_;
@@ -196,7 +196,7 @@ class Drifter {
     if (wraps_) s_.box.wrap(x, s_.image + 3 * i);
     s_.setOrientation(
         i, renormalised(rotation({dt_ * w[0], dt_ * w[1], dt_ * w[2]}) * s_.orientation(i)));
-    if (tracks_ && forces_.moved(x, i)) report_.stale = true;
+    if (tracks_ && forces_.lists().moved(x, i)) report_.stale = true;
     const double turn2 = dt_ * dt_ * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     // Written so that a NaN counts as unstable.
     if (!(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < fastest2_ && turn2 < 1.0))
@@ -232,7 +232,7 @@ class Drifter {
       for (int k = 0; k < laneCount; ++k) s_.box.wrap(pose + 8 * k, s_.image + 3 * (begin + k));
     if (!tracks_ || report_.stale) return;
     for (int k = 0; k < laneCount; ++k)
-      if (forces_.moved(pose + 8 * k, begin + k)) report_.stale = true;
+      if (forces_.lists().moved(pose + 8 * k, begin + k)) report_.stale = true;
   }
 
   State& s_;
@@ -258,7 +258,7 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
   const auto actions = actionsAt(boundaries, state.time, state.time + h);
   const auto& shares = forces.shares();
   std::vector<DriftReport> reports(shares.size());
-  forces.startFollowing();
+  ForcePass pass(forces, state, ForcePass::move);
   onShares(shares.size(), [&](std::size_t t) {
     Kicker second(state, forces, boundaries, actionsThen, damping_, h);
     Kicker first(state, forces, boundaries, actions, damping_, h);
@@ -269,7 +269,7 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
       part.end = std::min(part.begin + stretch, shares[t].end);
       inGroups(part, [&](std::int32_t begin, std::int32_t end) {
         if (owed_) {
-          forces.complete(state, begin, end);
+          pass.handOver(begin, end);
           second(begin, end);
         }
         first(begin, end);
@@ -278,7 +278,7 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
         std::fill(state.torque + 3 * begin, state.torque + 3 * end, 0.0);
         drift(begin, end);
       });
-      forces.follow(state, static_cast<int>(t), part.end);
+      pass.moved(t, part.end);
     }
     reports[t] = drift.report();
 #pragma omp critical
@@ -302,10 +302,11 @@ void Verlet::kick(State& state, ForceField& forces, const Boundaries& boundaries
                   EnergyAccounts& accounts) const {
   const auto actions = actionsAt(boundaries, state.time, state.time);
   const auto& shares = forces.shares();
+  ForcePass pass(forces, state, ForcePass::look);
   onShares(shares.size(), [&](std::size_t t) {
     Kicker kick(state, forces, boundaries, actions, damping_, 0.5 * dt_);
     inGroups(shares[t], [&](std::int32_t begin, std::int32_t end) {
-      forces.complete(state, begin, end);
+      pass.handOver(begin, end);
       kick(begin, end);
     });
 #pragma omp critical

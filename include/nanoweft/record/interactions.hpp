@@ -32,7 +32,7 @@ void forEachPair(const State& state, const ForceField& forces, std::size_t threa
                  const Visit& visit) {
   if (!forces.pair()) return;
   const double reach2 = forces.pair()->reach() * forces.pair()->reach();
-  const auto& lists = forces.pairList().threads()[thread];
+  const auto& lists = forces.lists().pairs().threads()[thread];
   for (const auto* list : {&lists.inner, &lists.outer})
     list->forEach([&](const ListPair& p) {
       if (const Vec3d d = separationOf(state, forces, p.i, p.j); dot(d, d) < reach2) visit(p, d);

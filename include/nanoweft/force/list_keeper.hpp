@@ -1,0 +1,95 @@
+/// Keeps the lists of bonds and pairs up to date while segments move: when they have to be made
+/// anew, and how wide their skin is.
+///
+/// The pair list holds all pairs in reach plus a skin. From it the pairs that a step looks at are
+/// drawn, all in reach plus a thinner margin: a new drawing is cheap, a new list is not. Skin and
+/// margin are tuned while running; no result depends on them.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "nanoweft/domain/domain.hpp"
+#include "nanoweft/fibre/breakage_law.hpp"
+#include "nanoweft/force/bond_list.hpp"
+#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_list.hpp"
+
+namespace nanoweft {
+
+class ListKeeper {
+ public:
+  struct Settings {
+    double segmentLength = 0;
+    std::optional<BreakageLaw> breakage;
+    double skin = 0;  ///< 0: tuned while running
+    int threads = 1;
+  };
+  /// `pair`: null without pair forces; must outlive this.
+  ListKeeper(Settings settings, const PairForce* pair, const Box& box);
+
+  /// Takes effect at the next rebuild.
+  void setThreads(int threads) { settings_.threads = threads; }
+
+  /// Distributes the segments anew and makes the lists. Collective.
+  void rebuild(State& state, Domain& domain);
+  /// After a segment has `moved`: draws the present pairs anew, provided that the list still has
+  /// them all. Otherwise returns false, on all ranks: rebuild. Collective.
+  bool redraw(const State& state);
+
+  /// Has the segment, now at `x`, moved so far that a pair might be missing from the drawn ones?
+  bool moved(const double* x, int i) const {
+    return !(squaredWay(x, reference_, i) <= 0.25 * margin_ * margin_);
+  }
+  bool tracksMotion() const { return pair_ != nullptr; }
+
+  const std::vector<Share>& shares() const { return shares_; }
+  BondList& bonds() { return bonds_; }
+  const BondList& bonds() const { return bonds_; }
+  PairList& pairs() { return pairs_; }
+  const PairList& pairs() const { return pairs_; }
+  /// Reach of the pair list: cutoff, segment and skin.
+  double range() const { return pair_ ? pair_->reach() + skin_ : 0.0; }
+  std::int64_t rebuilds() const { return rebuilds_; }
+
+  /// The margin with which the evaluation to come has to draw its pairs, once; 0: not at all.
+  double takeDrawing();
+  /// An evaluation has been made; `drawing`: seconds of it that went into drawing.
+  void noteEvaluation(double drawing);
+
+ private:
+  double squaredWay(const double* x, const std::vector<double>& from, int i) const {
+    const double* r = &from[3 * static_cast<std::size_t>(i)];
+    const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
+    return dot(d, d);
+  }
+  void noteReference(const State& state, int i) {
+    for (int d = 0; d < 3; ++d)
+      reference_[static_cast<std::size_t>(3 * i + d)] = state.pose[8 * i + d];
+  }
+  void makePairList(State& state, const Domain& domain, const CellIndex& cells);
+  void startDrawing(const State& state);
+  void tuneMargin(const State& state);
+  void tuneSkin(const State& state);
+  void noteWork(const State& state, Domain& domain);
+
+  Settings settings_;
+  const PairForce* pair_;
+  MinimumImage nearest_;
+  double skin_, skinLimit_;  ///< of the list
+  double margin_;            ///< of the drawn pairs
+  bool draw_ = false;        ///< the next evaluation draws them
+  PairList pairs_;
+  BondList bonds_;
+  std::vector<Share> shares_;
+  std::vector<double> listed_;     ///< [3]: where segments were at the rebuild
+  std::vector<double> reference_;  ///< [3]: where they were at the drawing
+  std::vector<double> work_;
+  std::int64_t rebuilds_ = 0;
+  // Since the last rebuild, for tuning the skin.
+  double drawSeconds_ = 0, rebuildSeconds_ = 0;
+  std::int64_t evaluations_ = 0;
+  std::int64_t drawStep_ = -1;  ///< step of the last drawing, for tuning the margin
+};
+
+}  // namespace nanoweft

@@ -1,0 +1,120 @@
+#include "nanoweft/force/list_keeper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace nanoweft {
+
+ListKeeper::ListKeeper(Settings settings, const PairForce* pair, const Box& box)
+    : settings_(std::move(settings)), pair_(pair), nearest_(box) {
+  const double length = settings_.segmentLength;
+  skin_ = settings_.skin > 0 ? settings_.skin : length;
+  // Wider, it would save little more, and cost memory, ghosts and even shares: cells grow with it.
+  skinLimit_ = length;
+  if (pair_)
+    for (int d = 0; d < 3; ++d)
+      if (box.periodic[d]) skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - pair_->reach());
+  if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
+  margin_ = 0.3 * skin_;
+}
+
+void ListKeeper::rebuild(State& state, Domain& domain) {
+  tuneSkin(state);
+  const double begin = MPI_Wtime();
+  // Without pairs the halo holds bond partners alone; the cells then only need to find them.
+  domain.rebuild(state, range(), std::max(range(), 2.0 * settings_.segmentLength),
+                 rebuilds_ > 0 && state.ranks() > 1 ? &work_ : nullptr);
+  const CellIndex cells(state, domain.grid(), state.local());
+  shares_ = shareSegments(state, domain.grid(), cells, settings_.threads);
+  bonds_.build(state, domain, shares_, settings_.breakage);
+  if (pair_) makePairList(state, domain, cells);
+  noteWork(state, domain);
+  ++rebuilds_;
+  rebuildSeconds_ = MPI_Wtime() - begin;
+  drawSeconds_ = 0;
+  evaluations_ = 0;
+}
+
+void ListKeeper::makePairList(State& state, const Domain& domain, const CellIndex& cells) {
+  pairs_.build(state, domain.grid(), cells, shares_, range(), pair_->exclude());
+  tuneMargin(state);
+  startDrawing(state);
+  reference_.resize(3 * static_cast<std::size_t>(state.owned()));
+#pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
+  for (int i = 0; i < state.owned(); ++i) noteReference(state, i);
+  listed_ = reference_;
+}
+
+bool ListKeeper::redraw(const State& state) {
+  // Pairs that the list does not have were a skin out of reach when it was made.
+  double farthest2 = 0;
+#pragma omp parallel for num_threads(static_cast <int>(shares_.size())) reduction(max : farthest2)
+  for (int i = 0; i < state.owned(); ++i) {
+    farthest2 = std::max(farthest2, squaredWay(state.pose + 8 * i, listed_, i));
+    noteReference(state, i);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+  tuneMargin(state);
+  // A list that is nearly used up still serves for a thinner margin.
+  const double left = skin_ - 2.0 * std::sqrt(farthest2);
+  if (!(left >= 0.5 * margin_)) return false;
+  margin_ = std::min(margin_, left);
+  startDrawing(state);
+  return true;
+}
+
+double ListKeeper::takeDrawing() {
+  // A little wider, since the estimate of the stable step displaces what it evaluates.
+  return std::exchange(draw_, false) ? 1.001 * margin_ : 0.0;
+}
+
+void ListKeeper::noteEvaluation(double drawing) {
+  drawSeconds_ += drawing;
+  ++evaluations_;
+}
+
+void ListKeeper::startDrawing(const State& state) {
+  draw_ = true;
+  drawStep_ = state.step;
+}
+
+void ListKeeper::tuneMargin(const State& state) {
+  // A step looks at a rim of pairs in proportion to reach x margin (a sheet), a drawing at all
+  // within reach + skin, as many steps apart as the margin lasts: least together for this margin.
+  // The half: pairs of the rim cost more, since their segments are not in the cache yet.
+  const std::int64_t steps = drawStep_ < 0 ? 0 : state.step - drawStep_;
+  if (steps < 1) return;
+  const double speed = margin_ / (2.0 * static_cast<double>(steps)),
+               widening = 1.0 + skin_ / pair_->reach();
+  margin_ = 0.5 * widening * std::sqrt(pair_->reach() * speed);
+  margin_ = std::min(std::max(margin_, 0.05 * settings_.segmentLength), 0.5 * skin_);
+  drawStep_ = state.step;
+}
+
+void ListKeeper::noteWork(const State& state, Domain& domain) {
+  if (state.ranks() == 1) return;
+  // A segment's own part of a step costs about as much as this many pairs.
+  constexpr double pairsPerSegment = 3.0;
+  work_.assign(static_cast<std::size_t>(state.owned()), pairsPerSegment);
+  if (pair_) pairs_.count(work_);
+  double sum = 0;
+  for (double w : work_) sum += w;
+  domain.noteWork(state, sum);
+}
+
+void ListKeeper::tuneSkin(const State& state) {
+  if (!pair_ || settings_.skin > 0 || evaluations_ < 2 || rebuilds_ < 2) return;
+  // Cost of a step: (rebuild + drawings) / steps between. The steps between grow like the skin, the
+  // pairs to be looked at like the square of the range (a sheet) or more: follow the derivative, in
+  // steps large enough to be worth a new cell grid. Rank 0 decides, since all must agree.
+  double next = skin_;
+  const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
+  const double loss = 2.0 * (drawSeconds_ / static_cast<double>(evaluations_)) / range();
+  if (gain > 1.3 * loss) next = std::min(1.2 * skin_, skinLimit_);
+  if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.2 * settings_.segmentLength);
+  MPI_Bcast(&next, 1, MPI_DOUBLE, 0, state.comm());
+  if (next > 0) skin_ = std::min(next, std::max(skinLimit_, skin_));
+}
+
+}  // namespace nanoweft
