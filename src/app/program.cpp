@@ -155,11 +155,13 @@ int runWithPetsc(MPI_Comm comm, bool briefHelp) {
   omp_set_dynamic(0);
   omp_set_num_threads(threads);
   Options options;
-  Simulation simulation(comm, options, threads, std::getenv("OMP_NUM_THREADS") == nullptr);
-  if (!simulation.runnable()) {
+  auto plan = std::make_unique<RunPlan>(comm, options);
+  if (options.helpWanted()) {
     printHelp(comm, options, briefHelp);
     return 0;
   }
+  const Team team{threads, std::getenv("OMP_NUM_THREADS") == nullptr};
+  Simulation simulation(std::make_unique<RunParts>(std::move(plan), team));
   return static_cast<int>(simulation.run());
 }
 

@@ -1,10 +1,11 @@
-/// What a run prints: header, progress, summary.
+#include "nanoweft/app/report.hpp"
+
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "nanoweft/app/simulation.hpp"
+#include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/motion/residual.hpp"
@@ -17,243 +18,233 @@ namespace {
 /// Of the work of grips and loads.
 constexpr double noticedDampingShare = 0.05;
 
-std::string duration(double seconds) {
-  const long s = std::lround(seconds);
-  if (s < 100) return format("%ld s", s);
-  if (s < 6000) return format("%ld min %02ld s", s / 60, s % 60);
-  return format("%ld h %02ld min", s / 3600, s / 60 % 60);
-}
-
-}  // namespace
-
-void Simulation::printFibre() const {
-  const Fibre& f = fibre_;
+void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
   const BondParameters& b = f.bond;
-  const std::string wall = f.wall > 0 ? format("wall %g %s", f.wall, units_.length) : "solid";
+  const std::string wall = f.wall > 0 ? format("wall %g %s", f.wall, units.length) : "solid";
   // By format(): PetscPrintf would put a point behind whole numbers.
   const std::string fibre = format(
       "  fibre: from %s, radius %g %s, %s, E %g GPa, G %g GPa, density %.5g kg/m^3, %.5g %s a "
       "length "
       "of 1 %s\n",
-      f.preset.c_str(), f.radius, units_.length, wall.c_str(), f.young / units_.gigapascal,
-      f.shear / units_.gigapascal, f.density() / units_.kilogramPerCubicMetre,
-      f.mass / units_.mass / f.length, units_.massName, units_.length);
-  PetscPrintf(comm_, "%s", fibre.c_str());
-  PetscPrintf(comm_,
+      f.preset.c_str(), f.radius, units.length, wall.c_str(), f.young / units.gigapascal,
+      f.shear / units.gigapascal, f.density() / units.kilogramPerCubicMetre,
+      f.mass / units.mass / f.length, units.massName, units.length);
+  PetscPrintf(comm, "%s", fibre.c_str());
+  PetscPrintf(comm,
               "  segment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 "
               "%.5g, B3 %.5g, B4 %.5g\n",
-              f.length, units_.length, f.mass / units_.mass, units_.massName,
-              f.inertia / units_.mass, units_.massName, units_.length, b.stretch, b.shear,
-              b.bending, b.torsion);
+              f.length, units.length, f.mass / units.mass, units.massName, f.inertia / units.mass,
+              units.massName, units.length, b.stretch, b.shear, b.bending, b.torsion);
 }
 
-void Simulation::printPairForces() const {
-  const PairForce* p = forces_->pair();
+void printPairForces(MPI_Comm comm, const PairForce* p, const Fibre& fibre,
+                     const UnitSystem& units) {
   if (!p) {
-    PetscPrintf(comm_, "  pair forces: none\n");
+    PetscPrintf(comm, "  pair forces: none\n");
     return;
   }
   const PointChoice& points = p->points();
   const std::string far = points.far < points.near
                               ? format(", %d beyond %g to %g %s", points.far, points.blend.from,
-                                       points.blend.to, units_.length)
+                                       points.blend.to, units.length)
                               : "";
-  PetscPrintf(comm_, "  pair forces: %s\n", p->description().c_str());
-  PetscPrintf(comm_,
-              "    %d points a segment%s, expected force error %.2g %% (bundle); within a fibre "
-              "from %d segments (%.5g %s) on\n",
-              points.near, far.c_str(), 100 * expectedForceError(*p, fibre_), p->exclude(),
-              p->exclude() * fibre_.length, units_.length);
-  for (const std::string& warning : pointWarnings(*p, fibre_, units_))
-    PetscPrintf(comm_, "  warning: %s\n", warning.c_str());
+  PetscPrintf(comm, "  pair forces: %s\n", p->description().c_str());
+  const auto error = expectedForceError(*p, fibre);
+  PetscPrintf(comm,
+              "    %d points a segment%s, expected force error %s; within a fibre from %d segments "
+              "(%.5g %s) on\n",
+              points.near, far.c_str(),
+              error ? format("%.2g %% (bundle)", 100 * *error).c_str() : "not estimated",
+              p->exclude(), p->exclude() * fibre.length, units.length);
+  for (const std::string& warning : pointWarnings(*p, fibre, units))
+    PetscPrintf(comm, "  warning: %s\n", warning.c_str());
 }
 
-void Simulation::printBreakage() const {
-  const BreakageLaw& law = *breakage_;
-  const std::string strain = law.weibull
-                                 ? format("by Weibull's law, shape %g, %g for %g %s", law.shape,
-                                          law.strain0, law.length0, units_.length)
-                                 : format("of %g +- %g for %g %s", law.mean, law.deviation,
-                                          fibre_.diameter(), units_.length);
+void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
+                   const UnitSystem& units) {
+  const std::string strain = law.weibull ? format("by Weibull's law, shape %g, %g for %g %s",
+                                                  law.shape, law.strain0, law.length0, units.length)
+                                         : format("of %g +- %g for %g %s", law.mean, law.deviation,
+                                                  fibre.diameter(), units.length);
   const std::string along = law.perFibre && law.scatter > 0
                                 ? format(" with a scatter of %g of it along the fibre", law.scatter)
                                 : "";
-  PetscPrintf(comm_, "  bonds break at a strain %s, one draw per %s%s, seed %llu\n", strain.c_str(),
+  PetscPrintf(comm, "  bonds break at a strain %s, one draw per %s%s, seed %llu\n", strain.c_str(),
               law.perFibre ? "fibre" : "bond", along.c_str(),
               static_cast<unsigned long long>(law.seed));
 }
 
-void Simulation::printHeader() const {
-  PetscPrintf(comm_, "nanoweft %s: %d rank%s x %d thread%s\n", NANOWEFT_VERSION, state_->ranks(),
-              state_->ranks() > 1 ? "s" : "", threads_, threads_ > 1 ? "s" : "");
-  if (threads_ < threadsAsked_)
-    PetscPrintf(comm_, "  %d threads asked, the runtime gives %d\n", threadsAsked_, threads_);
-  PetscPrintf(comm_, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n",
-              static_cast<long long>(state_->total()), box_.length(0), box_.length(1),
-              box_.length(2), units_.length, box_.periodic[0], box_.periodic[1], box_.periodic[2]);
-  printFibre();
-  printPairForces();
-  if (breakage_) printBreakage();
-  if (const auto& t = boundaries_.tension())
-    PetscPrintf(
-        comm_, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, rate %g 1/%s\n",
-        "xyz"[t->axis], t -> gage, units_.length, t->width, units_.length, t->thickness,
-        units_.length, t->rate, units_.time);
-  const double bundle = bundleStepLimit(fibre_, forces_->pair());
-  if (presentLimit_ > 0)
-    PetscPrintf(comm_,
+void printTeam(const RunParts& parts) {
+  const int ranks = parts.state->ranks(), threads = parts.team.given;
+  PetscPrintf(parts.plan->comm, "nanoweft %s: %d rank%s x %d thread%s\n", NANOWEFT_VERSION, ranks,
+              ranks > 1 ? "s" : "", threads, threads > 1 ? "s" : "");
+  if (threads < parts.team.asked)
+    PetscPrintf(parts.plan->comm, "  %d threads asked, the runtime gives %d\n", parts.team.asked,
+                threads);
+}
+
+void printTension(MPI_Comm comm, const Tension& t, const UnitSystem& units) {
+  PetscPrintf(comm,
+              "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, rate %g 1/%s\n",
+              "xyz"[t.axis], t.gage, units.length, t.width, units.length, t.thickness, units.length,
+              t.rate, units.time);
+}
+
+void printStep(const RunParts& parts) {
+  const RunPlan& plan = *parts.plan;
+  const Stepper& stepper = *parts.stepper;
+  const char* time = plan.units.time;
+  const double bundle = bundleStepLimit(plan.fibre, parts.forces->pair());
+  if (parts.limits.present > 0) {
+    PetscPrintf(plan.comm,
                 "  time step %.4g %s; stable below %.4g now, %.4g for a free chain, about %.4g for "
                 "fibres pressed together\n",
-                verlet_->dt(), units_.time, presentLimit_, chainStepLimit(fibre_), bundle);
-  if (presentLimit_ > 0 && (fire_ ? fire_->longest() : verlet_->dt()) > bundle)
-    PetscPrintf(comm_,
-                "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
-                fire_ ? fire_->longest() : verlet_->dt());
-  if (fire_)
-    PetscPrintf(comm_, "  relaxation by FIRE, step at most %.4g %s; time is no physical time\n",
-                fire_->longest(), units_.time);
-  if (boundaries_.tensionGoesOn())
+                stepper.dt(), time, parts.limits.present, chainStepLimit(plan.fibre), bundle);
+    if (stepper.longest() > bundle)
+      PetscPrintf(plan.comm,
+                  "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
+                  stepper.longest());
+  }
+  if (plan.minimises())
+    PetscPrintf(plan.comm, "  relaxation by %s, step at most %.4g %s; time is no physical time\n",
+                plan.settings.stepper->title.c_str(), stepper.longest(), time);
+}
+
+void printRestart(const RunParts& parts, const Moment& start) {
+  const RunPlan& plan = *parts.plan;
+  const RunRecord& old = plan.checkpoint->run;
+  PetscPrintf(plan.comm, "  restart from %s at step %lld\n", plan.restart.c_str(),
+              static_cast<long long>(start.step()));
+  if (const std::string version = provenanceOf(old).version; version != plan.provenance.version)
+    PetscPrintf(plan.comm, "  notice: nanoweft %s wrote the checkpoint, this is %s\n",
+                version.c_str(), plan.provenance.version.c_str());
+  if (plan.stepIsNew)
+    PetscPrintf(plan.comm, "  notice: time step changed from %.10g to %.10g %s at this restart\n",
+                parts.stepBefore, *plan.settings.dt, plan.units.time);
+  for (const auto& observer : plan.observers)
+    if (const std::string end = observer->endReached(start); !end.empty()) {
+      PetscPrintf(plan.comm, "  nothing to do: the run of %s %s\n", plan.restart.c_str(),
+                  end.c_str());
+      return;
+    }
+}
+
+}  // namespace
+
+void printHeader(const RunParts& parts, const Moment& start) {
+  const RunPlan& plan = *parts.plan;
+  const UnitSystem& units = plan.units;
+  const Box& box = plan.box;
+  const auto& tension = plan.boundaries.tension();
+  printTeam(parts);
+  PetscPrintf(plan.comm, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n",
+              static_cast<long long>(parts.state->total()), box.length(0), box.length(1),
+              box.length(2), units.length, box.periodic[0], box.periodic[1], box.periodic[2]);
+  printFibre(plan.comm, plan.fibre, units);
+  printPairForces(plan.comm, parts.forces->pair(), plan.fibre, units);
+  if (plan.breakage) printBreakage(plan.comm, *plan.breakage, plan.fibre, units);
+  if (tension) printTension(plan.comm, *tension, units);
+  printStep(parts);
+  if (plan.boundaries.tensionGoesOn())
     PetscPrintf(
-        comm_,
+        plan.comm,
         "  tension goes on from strain %.5g of an earlier stage: gage %.5g %s, width %.5g %s\n",
-        boundaries_.tension()->before, boundaries_.tension()->gage, units_.length,
-        boundaries_.tension()->width, units_.length);
-  for (const std::string& warning : startWarnings_)
-    PetscPrintf(comm_, "  warning: %s\n", warning.c_str());
-  if (restartHeader_) printRestart();
+        tension->before, tension->gage, units.length, tension->width, units.length);
+  for (const std::string& warning : parts.warnings)
+    PetscPrintf(plan.comm, "  warning: %s\n", warning.c_str());
+  if (plan.checkpoint) printRestart(parts, start);
 }
 
-void Simulation::printRestart() const {
-  const RunRecord& old = restartHeader_->run;
-  PetscPrintf(comm_, "  restart from %s at step %lld\n", restart_.c_str(),
-              static_cast<long long>(state_->step));
-  if (const std::string version = provenanceOf(old).version; version != provenance_.version)
-    PetscPrintf(comm_, "  notice: nanoweft %s wrote the checkpoint, this is %s\n", version.c_str(),
-                provenance_.version.c_str());
-  if (stepIsNew_)
-    PetscPrintf(comm_, "  notice: time step changed from %.10g to %.10g %s at this restart\n",
-                fire_ ? old.needReals("fire", 3)[1] : old.needReals("time_step", 1)[0],
-                *settings_.dt, units_.time);
-  if (const std::string end = endReached(); !end.empty())
-    PetscPrintf(comm_, "  nothing to do: %s\n", end.c_str());
-}
+Clock::Clock(const Moment& start)
+    : wall(MPI_Wtime()),
+      time(start.state().time),
+      step(start.step()),
+      resolved(start.system.forces.pairsResolved()) {}
 
-std::string Simulation::endReached() const {
-  const std::string run = "the run of " + restart_;
-  const auto step = static_cast<long long>(state_->step);
-  const auto& t = boundaries_.tension();
-  if (converged_ || balanced_) return format("%s had converged at step %lld", run.c_str(), step);
-  if (t && strain() >= t->maxStrain)
-    return format("%s had reached a strain of %.4g at step %lld", run.c_str(), strain(), step);
-  return atEnd() ? "the checkpoint is at or beyond the end that the options set" : "";
-}
+namespace {
 
-void Simulation::printProgress() {
-  const double now = MPI_Wtime();
-  const Energies& e = *energies_;
-  const double perStep = (now - progressWall_) / static_cast<double>(std::max<std::int64_t>(
-                                                     1, state_->step - progressStep_));
-  const double perDay = 86400.0 / perStep * verlet_->dt() * units_.secondsPerTime * 1e9;
-  // Steps left by whichever end can be foreseen.
-  double left = std::numeric_limits<double>::infinity();
-  if (settings_.maxSteps) left = static_cast<double>(*settings_.maxSteps - state_->step);
-  if (settings_.maxTime) left = std::min(left, (*settings_.maxTime - state_->time) / verlet_->dt());
-  if (const auto& t = boundaries_.tension())
-    left = std::min(left, (t->maxStrain - t->strain(state_->time)) / (t->rate * verlet_->dt()));
-  std::string line = format("step %lld  time %.5g %s  elastic %.6g  pair %.6g  kinetic %.4g %s",
-                            static_cast<long long>(state_->step), state_->time, units_.time,
-                            e.elastic(), e.pair, e.kinetic + e.rotational, units_.energy);
-  if (boundaries_.tension())
-    line += format("  strain %.1f %%  broken %lld", 100 * strain(),
-                   static_cast<long long>(e.brokenBonds));
-  line += format("  %.3g ns/day", perDay);
-  if (std::isfinite(left))
-    line += format("  %s %s", settings_.relaxTolerance > 0 ? "at most" : "left",
-                   duration(left * perStep).c_str());
-  PetscPrintf(comm_, "%s\n", line.c_str());
-  lastProgress_ = progressWall_ = now;
-  progressStep_ = state_->step;
-}
-
-void Simulation::printSummary() const {
-  const double wall = MPI_Wtime() - wallStart_;
-  const auto steps = static_cast<double>(state_->step - firstStep_);
-  const Energies& e = *energies_;
-  if (converged_)
-    PetscPrintf(comm_,
-                "converged: the elastic energy changed by less than %g of itself in %ld steps\n",
-                settings_.relaxTolerance, settings_.relaxInterval);
-  if (balanced_)
-    PetscPrintf(comm_, "converged: no force that nothing balances exceeds %g %s\n",
-                settings_.relaxForce, units_.force);
-  if (fire_ || settings_.relaxForce > 0)
-    PetscPrintf(comm_, "largest force that nothing balances: %.4g %s\n",
-                largestResidual(*state_, *forces_, boundaries_), units_.force);
-  PetscPrintf(comm_,
+void printEnd(const RunParts& parts, const Moment& end) {
+  const RunPlan& plan = *parts.plan;
+  const UnitSystem& units = plan.units;
+  const Energies& e = *end.energies;
+  for (const auto& observer : plan.observers)
+    if (const std::string reason = observer->reason(); !reason.empty())
+      PetscPrintf(plan.comm, "%s\n", reason.c_str());
+  if (plan.minimises() || plan.settings.relaxForce > 0)
+    PetscPrintf(plan.comm, "largest force that nothing balances: %.4g %s\n",
+                largestResidual(end.state(), end.system.forces, plan.boundaries), units.force);
+  PetscPrintf(plan.comm,
               "energies (%s): stretch %.10g, shear %.10g, bending %.10g, torsion %.10g, pair "
               "%.10g, kinetic %.6g, rotational %.6g\n",
-              units_.energy, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic,
+              units.energy, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic,
               e.rotational);
-  if (steps == 0) return;
-  std::int64_t resolved = forces_->pairsResolved() - firstResolved_;
-  MPI_Allreduce(MPI_IN_PLACE, &resolved, 1, MPI_INT64_T, MPI_SUM, comm_);
+}
+
+void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock) {
+  const MPI_Comm comm = parts.plan->comm;
+  const UnitSystem& units = parts.plan->units;
+  const double wall = MPI_Wtime() - clock.wall, time = end.state().time - clock.time;
+  const auto steps = static_cast<double>(end.step() - clock.step);
+  std::int64_t resolved = end.system.forces.pairsResolved() - clock.resolved;
+  MPI_Allreduce(MPI_IN_PLACE, &resolved, 1, MPI_INT64_T, MPI_SUM, comm);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   long memory = usage.ru_maxrss;
-  MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_LONG, MPI_SUM, comm_);
-  PetscPrintf(comm_, "steps %.0f, simulated time %.6g %s, wall time %s\n", steps,
-              state_->time - firstTime_, units_.time, duration(wall).c_str());
-  PetscPrintf(comm_,
+  MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_LONG, MPI_SUM, comm);
+  PetscPrintf(comm, "steps %.0f, simulated time %.6g %s, wall time %s\n", steps, time, units.time,
+              roundedDuration(wall).c_str());
+  PetscPrintf(comm,
               "speed: %.4g segment-steps/s, %.4g pairs/s, %.4g ns/day; %lld list rebuilds, "
               "imbalance %.3f, peak memory %.0f MB\n",
-              steps * static_cast<double>(state_->total()) / wall,
+              steps * static_cast<double>(end.state().total()) / wall,
               static_cast<double>(resolved) / wall,
-              (state_->time - firstTime_) * units_.secondsPerTime * 1e9 / wall * 86400.0,
-              static_cast<long long>(forces_->lists().rebuilds()), domain_->imbalance(),
+              time * units.secondsPerTime * 1e9 / wall * 86400.0,
+              static_cast<long long>(parts.forces->lists().rebuilds()), parts.domain->imbalance(),
               static_cast<double>(memory) / 1024.0);
-  if (state_->ranks() > 1) {
-    const Domain::Census census = domain_->census(*state_);
-    PetscPrintf(comm_,
-                "partition: %s, imbalance of work %.3f, %.4g ghosts a segment, %lld bonds cut\n",
-                domain_->partition(), domain_->imbalance(),
-                static_cast<double>(census.ghosts) / static_cast<double>(state_->total()),
-                static_cast<long long>(census.cutBonds));
-  }
-  PetscPrintf(comm_,
-              "energy balance: total + damped + broken - external drifted by %.3g %s (damped %.6g, "
-              "external %.6g, broken %.6g)\n",
-              e.balance() - first_.balance(), units_.energy, e.damped, e.external, e.broken);
-  printDampingShare();
-  if (lowestLimit_ < firstLimit_)
-    PetscPrintf(comm_, "stable step: %.4g %s at the start, %.4g at the lowest\n", firstLimit_,
-                units_.time, lowestLimit_);
-  if (boundaries_.tension())
-    PetscPrintf(comm_, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n", 100 * strain(),
-                std::max(strength_, lastStress_), static_cast<long long>(e.brokenBonds));
-  // Round-off of balanced forces is far below this; stray fibres in the grips feel nothing else.
-  if (boundaries_.tension() && std::max(strength_, lastStress_) < 1e-9)
-    PetscPrintf(
-        comm_,
-        "warning: the grips have felt no force: nothing joins them (-tension_ends says where "
-        "the piece ends when stray fibres lie beyond)\n");
+  if (end.state().ranks() == 1) return;
+  const Domain::Census census = parts.domain->census(*parts.state);
+  PetscPrintf(comm,
+              "partition: %s, imbalance of work %.3f, %.4g ghosts a segment, %lld bonds cut\n",
+              parts.domain->partition(), parts.domain->imbalance(),
+              static_cast<double>(census.ghosts) / static_cast<double>(end.state().total()),
+              static_cast<long long>(census.cutBonds));
 }
 
-void Simulation::printDampingShare() const {
-  const double damped = energies_->damped, work = energies_->external;
-  const bool local = settings_.damping > 0;
-  if ((!local && !settings_.viscous) || !(work > 0)) return;
-  const double share = damped / work;
-  PetscPrintf(comm_, "damping took %.3g %% of the work of grips and loads\n", 100 * share);
-  const bool moved = boundaries_.tension() ||
-                     std::ranges::any_of(boundaries_.list(),
+void printDampingShare(const RunPlan& plan, const Energies& e) {
+  const double damping = plan.settings.damping;
+  const bool local = damping > 0;
+  if ((!local && !plan.settings.viscous) || !(e.external > 0)) return;
+  const double share = e.damped / e.external;
+  PetscPrintf(plan.comm, "damping took %.3g %% of the work of grips and loads\n", 100 * share);
+  const bool moved = plan.boundaries.tension() ||
+                     std::ranges::any_of(plan.boundaries.list(),
                                          [](const Boundary& b) { return norm(b.velocity) > 0; });
   if (local && moved && share > noticedDampingShare)
     PetscPrintf(
-        comm_,
+        plan.comm,
         "  remark: -damping_local %g weakens every force that moves a segment, however slow "
         "the motion; forces measured at what is moved contain that share, so measure them "
         "with a smaller one\n",
-        settings_.damping);
+        damping);
+}
+
+}  // namespace
+
+void printSummary(const RunParts& parts, const Moment& end, const Clock& clock) {
+  const RunPlan& plan = *parts.plan;
+  const Energies& e = *end.energies;
+  printEnd(parts, end);
+  if (end.step() == clock.step) return;
+  printSpeed(parts, end, clock);
+  PetscPrintf(plan.comm,
+              "energy balance: total + damped + broken - external drifted by %.3g %s (damped %.6g, "
+              "external %.6g, broken %.6g)\n",
+              e.balance() - end.first.balance(), plan.units.energy, e.damped, e.external, e.broken);
+  printDampingShare(plan, e);
+  if (parts.limits.lowest < parts.limits.first)
+    PetscPrintf(plan.comm, "stable step: %.4g %s at the start, %.4g at the lowest\n",
+                parts.limits.first, plan.units.time, parts.limits.lowest);
+  for (const auto& observer : plan.observers) observer->summarise(end);
 }
 
 }  // namespace nanoweft

@@ -1,5 +1,7 @@
 #include "nanoweft/app/settings.hpp"
 
+#include <algorithm>
+
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
 
@@ -23,13 +25,24 @@ std::optional<double> readWallTime(OptionSection& run) {
   return seconds;
 }
 
+const StepperKind* readStepper(OptionSection& run) {
+  std::vector<std::string> names;
+  for (const StepperKind& kind : stepperKinds()) names.push_back(kind.name);
+  const std::string name =
+      run.choice("relax_method", names.front(), names,
+                 "the way to rest: motion as it is, with what damping there is, or the minimiser "
+                 "FIRE");
+  return &*std::ranges::find(stepperKinds(), name, &StepperKind::name);
+}
+
 void readDamping(Options& options, const UnitSystem& units, bool pairs, RunSettings& r) {
-  const std::string fireNeedsNone = "-relax_method fire brings its own damping";
-  OptionSection damping(options, "Damping", !r.fire, fireNeedsNone);
+  const bool minimises = r.stepper->minimises;
+  const std::string needsNone = "-relax_method " + r.stepper->name + " brings its own damping";
+  OptionSection damping(options, "Damping", !minimises, needsNone);
   r.damping =
       damping.real("damping_local", 0.0, "", "local damping c: F - c |F| sign(v)", {0.0, 1.0});
-  OptionSection viscous(options, "Damping", pairs && !r.fire,
-                        r.fire ? fireNeedsNone : "-pair is none");
+  OptionSection viscous(options, "Damping", pairs && !minimises,
+                        minimises ? needsNone : "-pair is none");
   const std::string linear =
       std::string(units.force) + "/(" + units.length + "/" + units.time + ")";
   const std::string angular = std::string(units.energy) + " " + units.time;
@@ -112,11 +125,9 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
               "ts_dt", "20 fs for cnt_10_10, else 0.4 of the stable step", units.time,
               "time step; the longest with -relax_method fire (by default from the stable limit)",
               positive);
-  r.fire = run.choice("relax_method", "dynamics", {"dynamics", "fire"},
-                      "the way to rest: motion as it is, with what damping there is, or the "
-                      "minimiser FIRE") == "fire";
-  // FIRE's longest step follows the estimates.
-  OptionSection steps = run.as(r.fire ? Role::result : Role::run);
+  r.stepper = readStepper(run);
+  // A minimiser's longest step follows the estimates.
+  OptionSection steps = run.as(r.stepper->minimises ? Role::result : Role::run);
   r.unsafeStep = steps.flag("ts_dt_unsafe", false, "allow a step beyond the stable limit");
   r.limitInterval =
       steps.integer("ts_limit_interval", 20000,

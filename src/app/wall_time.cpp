@@ -70,17 +70,18 @@ std::string shownDuration(double seconds) {
   return format("%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
 }
 
-void WallLimit::checkpointTook(double seconds) {
-  checkpoint_ = timed_ ? std::max(seconds, checkpoint_) : seconds;
-  timed_ = true;
+std::string roundedDuration(double seconds) {
+  const long s = std::lround(seconds);
+  if (s < 100) return format("%ld s", s);
+  if (s < 6000) return format("%ld min %02ld s", s / 60, s % 60);
+  return format("%ld h %02ld min", s / 3600, s / 60 % 60);
 }
 
-bool WallLimit::over(double now) {
-  if (!limit_) return false;
+bool WallLimit::over(double now, double checkpoint) {
   // A single slow step is forgotten after some hundreds.
   if (last_ >= 0) longestStep_ = std::max(now - last_, 0.99 * longestStep_);
   last_ = now;
-  return now + 2 * longestStep_ + 1.5 * checkpoint_ + farewell >= *limit_;
+  return now + 2 * longestStep_ + 1.5 * checkpoint + farewell >= limit_;
 }
 
 }  // namespace nanoweft

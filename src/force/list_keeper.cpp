@@ -30,6 +30,7 @@ void ListKeeper::rebuild(State& state, Domain& domain) {
   bonds_.build(state, domain, shares_, settings_.breakage);
   if (pair_) makePairList(state, domain, cells);
   noteWork(state, domain);
+  outdated_ = false;
   ++rebuilds_;
   rebuildSeconds_ = MPI_Wtime() - begin;
   drawSeconds_ = 0;

@@ -16,6 +16,8 @@ namespace {
 /// Rings of fibres around the one in the middle: 61 fibres.
 constexpr int rings = 4;
 constexpr std::uint32_t samples = 30;
+/// Pairs of points in a row of segments; what takes more is not estimated.
+constexpr double mostPointPairs = 2e4;
 
 /// Endless straight fibres along x on a hexagonal grid, as relaxed fabrics have them: places vary
 /// by 0.003 rf (0.02 A for the (10,10) tube), axes by 0.002 rad.
@@ -26,12 +28,17 @@ class Bundle {
     const double width = lawWidth(rest_, fibre);
     const int needed = pointsNeeded(length_, rest_, width, nearSpacing);
     many_ = std::max(7, static_cast<int>(std::ceil(2.6 * needed)));
+    const double row = (pair_.cutoff() / length_ + 2) * many_ * many_;
+    if (!(row <= mostPointPairs)) return;
     const double spacing = restSpacing(fibre);
     for (int a = -rings; a <= rings; ++a)
       for (int b = -rings; b <= rings; ++b)
         if (std::abs(a + b) <= rings)
           places_.push_back({0, spacing * (a + 0.5 * b), spacing * std::sqrt(0.75) * b});
   }
+
+  /// Does the law reach so far, or is it so narrow, that sums over the bundle would take minutes?
+  bool tooLarge() const { return places_.empty(); }
 
   /// Force on one segment, as the run sums it and with many points.
   struct Forces {
@@ -115,8 +122,9 @@ double lawWidth(double restDistance, const Fibre& fibre) {
   return gap > 0 ? gap : hertzOverlap * fibre.radius;
 }
 
-double expectedForceError(const PairForce& pair, const Fibre& fibre) {
+std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre) {
   const Bundle bundle(pair, fibre);
+  if (bundle.tooLarge()) return std::nullopt;
   double error = 0, size = 0;
   for (std::uint32_t sample = 0; sample < samples; ++sample) {
     const auto [asRun, exact] = bundle.forces(sample);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <unordered_map>
+#include <utility>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/force/pair_list.hpp"
@@ -15,8 +16,6 @@ struct Break {
   std::int64_t start;  // row of the fibre's first segment
   std::int32_t index, length, closed;
 };
-
-}  // namespace
 
 void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& rows) {
   std::vector<Break> mine;
@@ -65,6 +64,12 @@ void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& ro
   }
 }
 
+}  // namespace
+
+void Breaks::spread(State& state) {
+  spreadBreaks(state, exclude_, std::exchange(rows_, {}));
+}
+
 void spreadOldBreaks(State& state, int exclude) {
   std::vector<std::int64_t> rows;
   for (int i = 0; i < state.owned(); ++i)
@@ -72,8 +77,8 @@ void spreadOldBreaks(State& state, int exclude) {
   spreadBreaks(state, exclude, rows);
 }
 
-bool releasePairs(State& state, const ForceField& forces, const Domain& domain) {
-  if (!state.gap || !forces.pair()) return false;
+bool Breaks::release(State& state, const ForceField& forces, const Domain& domain) const {
+  if (!state.gap || !forces.pair() || state.step % gapCheckInterval != 0) return false;
   const double reach2 = forces.pair()->reach() * forces.pair()->reach();
   bool any = false;
   for (int i = 0; i < state.owned(); ++i)

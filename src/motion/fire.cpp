@@ -18,7 +18,7 @@ constexpr double firstStep = 0.25, leastStep = 0.02;  // of the longest
 }  // namespace
 
 Fire::Fire(const Fibre& fibre, double longest)
-    : dt_(firstStep * longest), longest_(longest), mixing_(firstMixing) {
+    : verlet_(firstStep * longest, 0.0), longest_(longest), mixing_(firstMixing) {
   // Exact sums reach from 1e-24 to 1e5 of a unit's scale: here from forces of 1e-12 to 36 of
   // that which doubles a bond's length.
   const double force = fibre.bond.stretch * fibre.length, mass = fibre.mass;
@@ -29,27 +29,45 @@ Fire::Fire(const Fibre& fibre, double longest)
 }
 
 void Fire::limit(double dt) {
-  longest_ = std::min(longest_, dt);
-  dt_ = std::min(dt_, longest_);
+  setLongest(std::min(longest_, dt));
 }
 
 void Fire::setLongest(double dt) {
   longest_ = dt;
-  dt_ = std::min(dt_, longest_);
+  verlet_.setStep(std::min(verlet_.dt(), longest_));
 }
 
-void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundaries,
-                 EnergyAccounts& accounts) {
-  const double mass = forces.fibre().mass, inertia = forces.fibre().inertia;
-  const double perMass = 1.0 / mass, perInertia = 1.0 / inertia;
-  const auto& shares = forces.shares();
+void Fire::finish(System& system, bool) {
+  verlet_.finish(system, true);
+  const Slope s = slope(system);
+  double keep = 0, push = 0, dt = verlet_.dt();
+  if (s.power >= 0) {
+    keep = 1.0 - mixing_;
+    push = s.force2 > 0 ? mixing_ * std::sqrt(s.speed2 / s.force2) : 0.0;
+    if (++downhill_ > patience) {
+      dt = std::min(growth * dt, longest_);
+      mixing_ *= mixingFactor;
+    }
+  } else {  // also when a sum overflowed
+    dt = std::max(shrink * dt, leastStep * longest_);
+    mixing_ = firstMixing;
+    downhill_ = 0;
+  }
+  turn(system, keep, push);
+  verlet_.setStep(dt);
+}
 
+Fire::Slope Fire::slope(const System& system) const {
+  const State& s = system.state;
+  const double mass = system.forces.fibre().mass, inertia = system.forces.fibre().inertia;
+  const double perMass = 1.0 / mass, perInertia = 1.0 / inertia;
+  const auto& shares = system.forces.shares();
   ExactSum sums[3];
   onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
     ExactSum mine[3];
     for (std::int32_t i = share.begin; i < share.end; ++i) {
-      const Residual r = residualOf(s, boundaries, i);
+      const Residual r = residualOf(s, system.boundaries, i);
       const double* v = s.velocity + 3 * i;
       const double* w = s.angular + 3 * i;
       double power = 0, v2 = 0, w2 = 0, f2 = 0, t2 = 0;
@@ -68,29 +86,20 @@ void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundarie
     for (int k = 0; k < 3; ++k) sums[k].merge(mine[k]);
   });
   ExactSum::reduce(sums, 3, s.comm());
-  const double power = sums[0].value(powerUnit_), speed2 = sums[1].value(speedUnit_),
-               force2 = sums[2].value(forceUnit_);
+  return {sums[0].value(powerUnit_), sums[1].value(speedUnit_), sums[2].value(forceUnit_)};
+}
 
-  double keep = 0, push = 0;
-  if (power >= 0) {
-    keep = 1.0 - mixing_;
-    push = force2 > 0 ? mixing_ * std::sqrt(speed2 / force2) : 0.0;
-    if (++downhill_ > patience) {
-      dt_ = std::min(growth * dt_, longest_);
-      mixing_ *= mixingFactor;
-    }
-  } else {  // also when a sum overflowed
-    dt_ = std::max(shrink * dt_, leastStep * longest_);
-    mixing_ = firstMixing;
-    downhill_ = 0;
-  }
-
-  const SumUnit& unit = forces.energyUnit();
+void Fire::turn(System& system, double keep, double push) const {
+  State& s = system.state;
+  const double mass = system.forces.fibre().mass, inertia = system.forces.fibre().inertia;
+  const double perMass = 1.0 / mass, perInertia = 1.0 / inertia;
+  const SumUnit& unit = system.forces.energyUnit();
+  const auto& shares = system.forces.shares();
   onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
     ExactSum removed;
     for (std::int32_t i = share.begin; i < share.end; ++i) {
-      const Residual r = residualOf(s, boundaries, i);
+      const Residual r = residualOf(s, system.boundaries, i);
       double* v = s.velocity + 3 * i;
       double* w = s.angular + 3 * i;
       double v2 = 0, w2 = 0;  // what the squares lose
@@ -105,18 +114,18 @@ void Fire::steer(State& s, const ForceField& forces, const Boundaries& boundarie
       removed.add(0.5 * (mass * v2 + inertia * w2), unit);
     }
 #pragma omp critical
-    accounts.damped.merge(removed);
+    system.accounts.damped.merge(removed);
   });
 }
 
 void Fire::save(RunRecord& record) const {
-  record.reals["fire"] = {dt_, longest_, mixing_};
+  record.reals["fire"] = {verlet_.dt(), longest_, mixing_};
   record.integers["fire_downhill"] = {downhill_};
 }
 
 void Fire::restore(const RunRecord& record) {
   const auto& reals = record.needReals("fire", 3);
-  dt_ = reals[0];
+  verlet_.setStep(reals[0]);
   longest_ = reals[1];
   mixing_ = reals[2];
   downhill_ = record.needIntegers("fire_downhill", 1)[0];

@@ -56,18 +56,17 @@ NW_INLINE V damp(V& v, const V& force, const V& viscous, double factor, double d
 /// Half kicks, of whole SIMD groups where nothing but the forces acts.
 class Kicker {
  public:
-  Kicker(State& state, const ForceField& forces, const Boundaries& boundaries,
-         const std::vector<Action>& actions, double damping, double h)
-      : s_(state),
+  Kicker(System& system, const std::vector<Action>& actions, double damping, double h)
+      : s_(system.state),
         actions_(actions),
-        mask_(boundaries.mask()),
+        mask_(system.boundaries.mask()),
         damping_(damping),
         h_(h),
-        perMass_(h / forces.fibre().mass),
-        perInertia_(h / forces.fibre().inertia),
-        mass_(forces.fibre().mass),
-        inertia_(forces.fibre().inertia),
-        unit_(forces.energyUnit()) {}
+        perMass_(h / system.forces.fibre().mass),
+        perInertia_(h / system.forces.fibre().inertia),
+        mass_(system.forces.fibre().mass),
+        inertia_(system.forces.fibre().inertia),
+        unit_(system.forces.energyUnit()) {}
 
   /// Segments begin <= i < end.
   void operator()(std::int32_t begin, std::int32_t end) {
@@ -251,42 +250,45 @@ void inGroups(Share share, const Work& work) {
 
 }  // namespace
 
-DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundaries& boundaries,
-                                 EnergyAccounts& accounts) {
+DriftReport Verlet::move(System& system) {
+  State& state = system.state;
+  ForceField& forces = system.forces;
   const double h = 0.5 * dt_;
-  const auto actionsThen = actionsAt(boundaries, state.time, state.time);
-  const auto actions = actionsAt(boundaries, state.time, state.time + h);
+  const auto actionsThen = actionsAt(system.boundaries, state.time, state.time);
+  const auto actions = actionsAt(system.boundaries, state.time, state.time + h);
   const auto& shares = forces.shares();
   std::vector<DriftReport> reports(shares.size());
-  ForcePass pass(forces, state, ForcePass::move);
-  onShares(shares.size(), [&](std::size_t t) {
-    Kicker second(state, forces, boundaries, actionsThen, damping_, h);
-    Kicker first(state, forces, boundaries, actions, damping_, h);
-    Drifter drift(state, forces, dt_);
-    // Segments that still are in the cache when their bonds follow.
-    constexpr std::int32_t stretch = 64 * laneCount;
-    for (Share part{shares[t].begin, 0}; part.begin < shares[t].end; part.begin = part.end) {
-      part.end = std::min(part.begin + stretch, shares[t].end);
-      inGroups(part, [&](std::int32_t begin, std::int32_t end) {
-        if (owed_) {
-          pass.handOver(begin, end);
-          second(begin, end);
-        }
-        first(begin, end);
-        // Ready for the next forces.
-        std::fill(state.force + 3 * begin, state.force + 3 * end, 0.0);
-        std::fill(state.torque + 3 * begin, state.torque + 3 * end, 0.0);
-        drift(begin, end);
-      });
-      pass.moved(t, part.end);
-    }
-    reports[t] = drift.report();
+  {
+    ForcePass pass(forces, state, ForcePass::move);
+    onShares(shares.size(), [&](std::size_t t) {
+      Kicker second(system, actionsThen, damping_, h);
+      Kicker first(system, actions, damping_, h);
+      Drifter drift(state, forces, dt_);
+      // Segments that still are in the cache when their bonds follow.
+      constexpr std::int32_t stretch = 64 * laneCount;
+      for (Share part{shares[t].begin, 0}; part.begin < shares[t].end; part.begin = part.end) {
+        part.end = std::min(part.begin + stretch, shares[t].end);
+        inGroups(part, [&](std::int32_t begin, std::int32_t end) {
+          if (owed_) {
+            pass.handOver(begin, end);
+            second(begin, end);
+          }
+          first(begin, end);
+          // Ready for the next forces.
+          std::fill(state.force + 3 * begin, state.force + 3 * end, 0.0);
+          std::fill(state.torque + 3 * begin, state.torque + 3 * end, 0.0);
+          drift(begin, end);
+        });
+        pass.moved(t, part.end);
+      }
+      reports[t] = drift.report();
 #pragma omp critical
-    {
-      second.close(accounts);
-      first.close(accounts);
-    }
-  });
+      {
+        second.close(system.accounts);
+        first.close(system.accounts);
+      }
+    });
+  }
   owed_ = false;
   state.time += dt_;
   ++state.step;
@@ -298,19 +300,22 @@ DriftReport Verlet::kickAndDrift(State& state, ForceField& forces, const Boundar
   return all;
 }
 
-void Verlet::kick(State& state, ForceField& forces, const Boundaries& boundaries,
-                  EnergyAccounts& accounts) const {
-  const auto actions = actionsAt(boundaries, state.time, state.time);
-  const auto& shares = forces.shares();
-  ForcePass pass(forces, state, ForcePass::look);
+void Verlet::finish(System& system, bool seen) {
+  State& state = system.state;
+  // Viscous forces belong to the velocities that the kick brings.
+  owed_ = !seen && !state.viscous;
+  if (owed_) return;
+  const auto actions = actionsAt(system.boundaries, state.time, state.time);
+  const auto& shares = system.forces.shares();
+  ForcePass pass(system.forces, state, ForcePass::look);
   onShares(shares.size(), [&](std::size_t t) {
-    Kicker kick(state, forces, boundaries, actions, damping_, 0.5 * dt_);
+    Kicker kick(system, actions, damping_, 0.5 * dt_);
     inGroups(shares[t], [&](std::int32_t begin, std::int32_t end) {
       pass.handOver(begin, end);
       kick(begin, end);
     });
 #pragma omp critical
-    kick.close(accounts);
+    kick.close(system.accounts);
   });
 }
 

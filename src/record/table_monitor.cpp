@@ -44,16 +44,10 @@ std::vector<std::string> split(const std::string& text, char mark) {
 
 }  // namespace
 
-TableMonitor::TableMonitor(Options& options, std::string option, const char* help,
-                           std::vector<std::string> columns, std::size_t abscissa,
-                           std::vector<std::size_t> curves)
-    : option_(std::move(option)),
-      columns_(std::move(columns)),
-      abscissa_(abscissa),
-      curves_(std::move(curves)) {
+TableMonitor::TableMonitor(Options& options, Layout layout) : layout_(std::move(layout)) {
   OptionSection s = OptionSection(options, "Output").as(Role::run);
-  s.document(option_, "none", "", help);
-  wanted_ = s.given(option_);
+  s.document(layout_.option, "none", "", layout_.help);
+  wanted_ = s.given(layout_.option);
 }
 
 TableMonitor::~TableMonitor() {
@@ -64,9 +58,9 @@ TableMonitor::~TableMonitor() {
 TableMonitor::Target TableMonitor::target() const {
   char text[2 * PETSC_MAX_PATH_LEN] = "";
   PetscBool found;
-  petsc(
-      PetscOptionsGetString(nullptr, nullptr, ("-" + option_).c_str(), text, sizeof text, &found));
-  const std::string given = "-" + option_ + " " + text;
+  petsc(PetscOptionsGetString(nullptr, nullptr, ("-" + layout_.option).c_str(), text, sizeof text,
+                              &found));
+  const std::string given = "-" + layout_.option + " " + text;
   // type[:name[:format[:mode]]]
   auto parts = split(text, ':');
   if (parts[0] == "draw") return {Target::graph, ""};
@@ -93,7 +87,7 @@ std::string TableMonitor::fileName() const {
 
 std::string TableMonitor::columnLine() const {
   std::string line = "step";
-  for (const std::string& c : columns_) line += "," + c;
+  for (const std::string& c : layout_.columns) line += "," + c;
   return line;
 }
 
@@ -105,7 +99,8 @@ std::string TableMonitor::refusal(const TableHead& head, const TableRun& run) co
   const bool result = ours || head.columns == columns;
   if (result && run.overwrite) return "";
   const std::string will = "will not replace " + file + ": ";
-  if (!table) return will + "it is no table of -" + option_ + "; remove it or choose another name";
+  if (!table)
+    return will + "it is no table of -" + layout_.option + "; remove it or choose another name";
   const std::string why = ours ? differenceOfRuns(*head.provenance, run.provenance) : "";
   return will + "another run wrote it" + (why.empty() ? "" : " (" + why + ")") +
          "; remove it, choose another name or give -overwrite";
@@ -126,7 +121,7 @@ void TableMonitor::check(MPI_Comm comm, const TableRun& run) const {
         ::close(fd);
       }
     } else if (!S_ISREG(there.st_mode) && !S_ISCHR(there.st_mode)) {
-      problem = format("-%s: cannot write %s: it is %s", option_.c_str(), file.c_str(),
+      problem = format("-%s: cannot write %s: it is %s", layout_.option.c_str(), file.c_str(),
                        S_ISDIR(there.st_mode) ? "a folder" : "no regular file");
     }
   }
@@ -179,7 +174,7 @@ void TableMonitor::claim(MPI_Comm comm, const TableRun& run) {
       file_ = std::make_unique<LockedFile>(where.file);
       read(run);
     });
-  agree<InputError>(comm, problem.empty() ? "" : "-" + option_ + ": " + problem);
+  agree<InputError>(comm, problem.empty() ? "" : "-" + layout_.option + ": " + problem);
   MPI_Bcast(&last_, 1, MPI_INT64_T, 0, comm);
 }
 
@@ -188,7 +183,7 @@ void TableMonitor::open() {
   if (target().kind != Target::table) return openViewer();
   std::string problem;
   if (file_) problem = problemOf([&] { file_->replace(head_.text(), keptBegin_, keptEnd_); });
-  agree<InputError>(comm_, problem.empty() ? "" : "-" + option_ + ": " + problem);
+  agree<InputError>(comm_, problem.empty() ? "" : "-" + layout_.option + ": " + problem);
 }
 
 void TableMonitor::openViewer() {
@@ -202,19 +197,20 @@ void TableMonitor::openViewer() {
   }
   PetscBool found;
   try {
-    petsc(PetscOptionsGetViewer(comm_, nullptr, nullptr, ("-" + option_).c_str(), &viewer_,
+    petsc(PetscOptionsGetViewer(comm_, nullptr, nullptr, ("-" + layout_.option).c_str(), &viewer_,
                                 &format_, &found));
   } catch (const PetscFailure& failure) {
-    throw InputError(format("-%s: %s", option_.c_str(), failure.what()));
+    throw InputError(format("-%s: %s", layout_.option.c_str(), failure.what()));
   }
   PetscDraw canvas;
   petsc(PetscViewerDrawGetDraw(viewer_, 0, &canvas));
-  petsc(PetscDrawLGCreate(canvas, static_cast<PetscInt>(curves_.size()), &graph_));
+  petsc(PetscDrawLGCreate(canvas, static_cast<PetscInt>(layout_.curves.size()), &graph_));
   PetscDrawAxis axis;
   petsc(PetscDrawLGGetAxis(graph_, &axis));
-  petsc(PetscDrawAxisSetLabels(axis, option_.c_str(), columns_[abscissa_].c_str(), ""));
+  petsc(PetscDrawAxisSetLabels(axis, layout_.option.c_str(),
+                               layout_.columns[layout_.abscissa].c_str(), ""));
   std::vector<const char*> names;
-  for (std::size_t c : curves_) names.push_back(columns_[c].c_str());
+  for (std::size_t c : layout_.curves) names.push_back(layout_.columns[c].c_str());
   petsc(PetscDrawLGSetLegend(graph_, names.data()));
 }
 
@@ -222,8 +218,8 @@ void TableMonitor::record(std::int64_t step, const std::vector<double>& values) 
   if (!wanted_ || step <= last_) return;
   last_ = step;
   if (graph_) {
-    std::vector<PetscReal> x(curves_.size(), values[abscissa_]), y;
-    for (std::size_t c : curves_) y.push_back(values[c]);
+    std::vector<PetscReal> x(layout_.curves.size(), values[layout_.abscissa]), y;
+    for (std::size_t c : layout_.curves) y.push_back(values[c]);
     petsc(PetscDrawLGAddPoint(graph_, x.data(), y.data()));
     petsc(PetscDrawLGDraw(graph_));
     petsc(PetscDrawLGSave(graph_));
@@ -241,13 +237,13 @@ void TableMonitor::record(std::int64_t step, const std::vector<double>& values) 
   } else if (file_) {
     problem = problemOf([&] { file_->append(line + "\n"); });
   }
-  agree<RunError>(comm_, problem.empty() ? "" : "-" + option_ + ": " + problem);
+  agree<RunError>(comm_, problem.empty() ? "" : "-" + layout_.option + ": " + problem);
 }
 
 void TableMonitor::sync() {
   if (!wanted_ || viewer_) return;
   const std::string problem = file_ ? problemOf([&] { file_->sync(); }) : "";
-  agree<RunError>(comm_, problem.empty() ? "" : "-" + option_ + ": " + problem);
+  agree<RunError>(comm_, problem.empty() ? "" : "-" + layout_.option + ": " + problem);
 }
 
 }  // namespace nanoweft

@@ -164,7 +164,7 @@ TEST(PairDefaults, CarbonFibresTouchByTheirTransverseModulus) {
 TEST(ForceError, TheEstimateFallsWithPointsAndMeetsTheBundles) {
   const Fibre tube = cnt1010(nanoUnits());
   auto error = [&](const char* text) {
-    return expectedForceError(*pairOf(text, nanoUnits()), tube);
+    return expectedForceError(*pairOf(text, nanoUnits()), tube).value();
   };
   const double three = error("-pair_points 3"), five = error("-pair_points 5"), usual = error(""),
                nine = error("-pair_points 9");
@@ -174,7 +174,13 @@ TEST(ForceError, TheEstimateFallsWithPointsAndMeetsTheBundles) {
   EXPECT_GT(usual, five);
   // The same numbers in metres.
   const Fibre si = cnt1010(siUnits());
-  EXPECT_NEAR(expectedForceError(*pairOf("", siUnits()), si) / usual, 1.0, 1e-6);
+  EXPECT_NEAR(expectedForceError(*pairOf("", siUnits()), si).value() / usual, 1.0, 1e-6);
+}
+
+TEST(ForceError, WhereTheEstimateWouldTakeMinutesThereIsNone) {
+  const Fibre tube = cnt1010(nanoUnits());
+  for (const char* text : {"-pair_cutoff 1e9", "-vdw_length 1e9"})
+    EXPECT_FALSE(expectedForceError(*pairOf(text, nanoUnits()), tube)) << text;
 }
 
 TEST(ForceError, PointsTooCoarseForTheLawAreNamed) {

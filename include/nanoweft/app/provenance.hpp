@@ -11,11 +11,6 @@
 
 namespace nanoweft {
 
-/// What a file is for: the values of its attribute `purpose`.
-inline constexpr const char* checkpointPurpose = "checkpoint";
-inline constexpr const char* finalPurpose = "final";
-inline constexpr const char* snapshotPurpose = "snapshot";
-
 /// The provenance of a run that has read all its options. `start`: of the file that the state comes
 /// from, or null. In a restart (from the checkpoint `start`) the input is that of the first piece;
 /// a -scene_file that is given again must be the same. Throws InputError. Collective.

@@ -7,8 +7,8 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/domain/domain.hpp"
-#include "nanoweft/force/bond_list.hpp"
 #include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/motion/stepper.hpp"
 #include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
@@ -20,10 +20,10 @@ struct RunSettings {
   double energyAlarm = 0.25;   ///< 0: off
   std::optional<long> maxSteps;
   std::optional<double> maxTime;
-  std::optional<double> wallTime;  ///< seconds since the program's start
-  bool fire = false;               ///< relax by FIRE
-  double relaxTolerance = 0;       ///< 0: does not end the run
-  double relaxForce = 0;           ///< 0: does not end the run
+  std::optional<double> wallTime;        ///< seconds since the program's start
+  const StepperKind* stepper = nullptr;  ///< -relax_method
+  double relaxTolerance = 0;             ///< 0: does not end the run
+  double relaxForce = 0;                 ///< 0: does not end the run
   long relaxInterval = 5000;
 
   double damping = 0;

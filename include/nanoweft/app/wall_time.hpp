@@ -16,24 +16,21 @@ std::optional<double> parseDuration(const std::string& text);
 /// h:mm:ss.
 std::string shownDuration(double seconds);
 
-/// Knows how long a step and a checkpoint take, and keeps their time in reserve.
+/// In words, with the two largest units.
+std::string roundedDuration(double seconds);
+
+/// Knows how long a step takes, and keeps the time of two, and of a checkpoint, in reserve.
 class WallLimit {
  public:
-  /// Without a limit it is never over.
-  explicit WallLimit(std::optional<double> limit = std::nullopt) : limit_(limit) {}
+  explicit WallLimit(double limit) : limit_(limit) {}
 
-  double limit() const { return limit_.value_or(0.0); }
-  /// An estimate of seconds, until a checkpoint has been timed.
-  void expectCheckpoint(double seconds) { checkpoint_ = seconds; }
-  void checkpointTook(double seconds);
-  /// To be called in each step; `now` in seconds since the start. True when the next step might be
-  /// one too many.
-  bool over(double now);
+  double limit() const { return limit_; }
+  /// To be called in each step; `now` and what a checkpoint takes in seconds, the former since the
+  /// start. True when the next step might be one too many.
+  bool over(double now, double checkpoint);
 
  private:
-  std::optional<double> limit_;
-  double checkpoint_ = 0, longestStep_ = 0, last_ = -1;
-  bool timed_ = false;
+  double limit_, longestStep_ = 0, last_ = -1;
 };
 
 }  // namespace nanoweft

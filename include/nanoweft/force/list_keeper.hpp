@@ -33,6 +33,10 @@ class ListKeeper {
 
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
+  /// Something besides motion has changed what belongs into them: they must be made anew in the
+  /// next step.
+  void outdate() { outdated_ = true; }
+  bool outdated() const { return outdated_; }
   /// After a segment has `moved`: draws the present pairs anew, provided that the list still has
   /// them all. Otherwise returns false, on all ranks: rebuild. Collective.
   bool redraw(const State& state);
@@ -78,7 +82,8 @@ class ListKeeper {
   MinimumImage nearest_;
   double skin_, skinLimit_;  ///< of the list
   double margin_;            ///< of the drawn pairs
-  bool draw_ = false;        ///< the next evaluation draws them
+  bool outdated_ = false;
+  bool draw_ = false;  ///< the next evaluation draws them
   PairList pairs_;
   BondList bonds_;
   std::vector<Share> shares_;

@@ -5,6 +5,7 @@
 /// the law acts.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,9 @@ double lawWidth(double restDistance, const Fibre& fibre);
 
 /// Rms error of the pair forces on a segment over the rms of these forces, against many points (13
 /// for the (10,10) tube), in a slightly disordered bundle of 61 fibres. Depends on law, points and
-/// fibre alone.
-double expectedForceError(const PairForce& pair, const Fibre& fibre);
+/// fibre alone. Nothing for a law that reaches so far, or is so narrow against the segment, that it
+/// would take minutes.
+std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre);
 
 /// What there is to say against the points that a run uses.
 std::vector<std::string> pointWarnings(const PairForce& pair, const Fibre& fibre,

@@ -9,14 +9,11 @@
 
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
-#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/motion/tension.hpp"
 #include "nanoweft/state/state.hpp"
 #include "nanoweft/state/state_file.hpp"
 
 namespace nanoweft {
-
-/// Bits of State::group that mark the segments held by the grips of a tension test.
-inline constexpr int leftGripBit = 28, rightGripBit = 29;
 
 /// One boundary condition. Velocity, force and torque grow linearly during `ramp`.
 struct Boundary {
@@ -33,23 +30,6 @@ struct Boundary {
     return ramp > 0 && time < start + ramp ? (time - start) / ramp : 1.0;
   }
   bool constrains() const { return fix[0] || fix[1] || fix[2] || fixRotation; }
-};
-
-/// The tension test (model.md 8): two grips that move apart along an axis.
-struct Tension {
-  int axis = 0;
-  double rate = 0, ramp = 0, grip = 0;
-  std::optional<std::array<double, 2>> ends;  ///< of the piece; empty: its outermost segments
-  double maxStrain = 0;
-  double width = 0;      ///< of the fabric at the start; 0: measured
-  double thickness = 0;  ///< for the stress
-  double gage = 0;       ///< distance between the grips at the start
-  double start = 0;      ///< time of the start of this stage
-  double before = 0;     ///< strain at that time, reached in earlier stages
-  bool fresh = false;    ///< a test of its own, whatever the state has gone through
-
-  /// Engineering strain at `time`: what was before, and the integral of the ramped velocity.
-  double strain(double time) const;
 };
 
 class Boundaries {
@@ -73,32 +53,15 @@ class Boundaries {
   /// Bits of the groups that something acts on.
   std::int32_t mask() const { return mask_; }
 
-  /// Stress at the two grips, GPa; the forces are summed over all ranks. Collective.
-  std::array<double, 2> gripStress(const State& state, const ForceField& forces,
-                                   const UnitSystem& units) const;
-
  private:
   void readNamed(Options& options, const UnitSystem& units);
-  void readTension(Options& options, const UnitSystem& units, const Fibre& fibre,
-                   double restDistance);
   void readOneNamed(Options& options, const std::string& name);
   void attachNamed(State& state, const RunRecord& record, bool restart);
-  void attachTension(State& state);
-  void restoreTension(const RunRecord& record);
-  void goOnWithTension(const RunRecord& record, double time);
   void addGrips();
   void countMembers(const State& state);
 
-  /// What the options say of a tension test, where they say it.
-  struct TensionOptions {
-    std::optional<int> axis;
-    std::optional<double> grip, width, thickness;
-    std::optional<std::array<double, 2>> ends;
-  };
-
   std::vector<Boundary> boundaries_;
   std::optional<Tension> tension_;
-  TensionOptions asked_;
   bool goesOn_ = false;
   std::int32_t mask_ = 0;
 };

@@ -24,15 +24,30 @@ inline constexpr int mostExcludeWithBreakage = 64;
 /// Pairs are checked every so many steps: a number that no schedule of rebuilds changes.
 inline constexpr int gapCheckInterval = 10;
 
-/// Marks the neighbourhoods of bonds that broke; `rows`: the bonds' first segments, found by this
-/// rank. Also sets previousBroken. Collective.
-void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& rows);
+/// Spreads what happens in a run.
+class Breaks {
+ public:
+  /// `exclude`: closer neighbours along a fibre do not interact; 0 without pair forces.
+  explicit Breaks(int exclude) : exclude_(exclude) {}
+
+  /// To be called with the rows of the first segments of bonds that this rank has found broken.
+  void note(const std::vector<std::int64_t>& rows) {
+    rows_.insert(rows_.end(), rows.begin(), rows.end());
+  }
+  /// Has this rank noted some that the others do not know?
+  bool waiting() const { return !rows_.empty(); }
+  /// Marks their neighbourhoods on all ranks; sets previousBroken. Collective.
+  void spread(State& state);
+  /// Lets pairs interact that a break separates and that are out of reach now. True when there were
+  /// some on this rank: the lists must be made before they come into reach again.
+  bool release(State& state, const ForceField& forces, const Domain& domain) const;
+
+ private:
+  int exclude_;
+  std::vector<std::int64_t> rows_;
+};
 
 /// The same for the bonds that a state came with. Collective.
 void spreadOldBreaks(State& state, int exclude);
-
-/// Lets pairs interact that a break separates and that are out of reach now. True when some were
-/// found: the list must be built before they come into reach again.
-bool releasePairs(State& state, const ForceField& forces, const Domain& domain);
 
 }  // namespace nanoweft

@@ -13,30 +13,35 @@
 
 namespace nanoweft {
 
-class Fire {
+class Fire : public Stepper {
  public:
   /// `longest`: bound of the step.
   Fire(const Fibre& fibre, double longest);
 
-  /// The step to make next.
-  double dt() const { return dt_; }
-  double longest() const { return longest_; }
-  /// Makes no step longer than this from now on.
-  void limit(double dt);
-  /// Steps may be as long as this from now on.
-  void setLongest(double dt);
+  double dt() const override { return verlet_.dt(); }
+  double longest() const override { return longest_; }
+  DriftReport move(System& system) override { return verlet_.move(system); }
+  void finish(System& system, bool seen) override;
 
-  /// To be called at the end of each step, with forces and velocities of the same time. Collective.
-  void steer(State& state, const ForceField& forces, const Boundaries& boundaries,
-             EnergyAccounts& accounts);
+  bool adapts() const override { return true; }
+  void limit(double dt) override;
+  void setLongest(double dt) override;
 
-  void save(RunRecord& record) const;
-  /// Goes on as recorded. Throws InputError when something is missing.
-  void restore(const RunRecord& record);
+  void save(RunRecord& record) const override;
+  void restore(const RunRecord& record) override;
 
  private:
+  /// What a step's end says of the way downhill, over all ranks.
+  struct Slope {
+    double power, speed2, force2;
+  };
+  Slope slope(const System& system) const;
+  /// Sets the velocities to keep x velocity + push x force, and books what they lose.
+  void turn(System& system, double keep, double push) const;
+
   SumUnit powerUnit_, speedUnit_, forceUnit_;
-  double dt_, longest_, mixing_;
+  Verlet verlet_;
+  double longest_, mixing_;
   std::int64_t downhill_ = 0;  ///< steps since the motion last went uphill
 };
 

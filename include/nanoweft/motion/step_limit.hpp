@@ -1,11 +1,27 @@
 /// The largest stable step of velocity Verlet, from the stiffness that is there: dt < 2/omega_max.
 #pragma once
 
+#include <algorithm>
+
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
 #include "nanoweft/state/state.hpp"
 
 namespace nanoweft {
+
+/// Longest step over the stable one, for a stepper that adapts its step.
+inline constexpr double adaptedShare = 0.9;
+
+/// What a run knows of its stable step; 0: nothing yet.
+struct StepLimits {
+  double first = 0, lowest = 0, present = 0;
+
+  void note(double limit) {
+    if (first == 0) first = lowest = limit;
+    present = limit;
+    lowest = std::min(lowest, limit);
+  }
+};
 
 /// Limit of the present state: omega_max^2 is the largest eigenvalue of the mass-weighted
 /// stiffness, found by Lanczos iteration on differences of forces. State and forces are left as

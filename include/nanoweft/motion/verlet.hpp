@@ -8,44 +8,26 @@
 /// kinetic + potential + damped + broken - external drifts with Verlet's own error alone.
 #pragma once
 
-#include "nanoweft/base/exact_sum.hpp"
-#include "nanoweft/force/force_field.hpp"
-#include "nanoweft/motion/boundary.hpp"
+#include "nanoweft/motion/stepper.hpp"
 
 namespace nanoweft {
 
-/// Energy taken out by damping and brought in by boundaries since the start, on this rank.
-struct EnergyAccounts {
-  ExactSum damped, external, broken;
-};
-
-/// What a drift noticed on this rank.
-struct DriftReport {
-  bool stale = false;     ///< a segment left its half of the skin
-  bool unstable = false;  ///< a segment moved too far in one step, or is not a number
-};
-
-class Verlet {
+class Verlet : public Stepper {
  public:
   /// `localDamping`: c of F -> F - c|F| sign(v).
   Verlet(double dt, double localDamping) : dt_(dt), damping_(localDamping) {}
 
-  double dt() const { return dt_; }
+  double dt() const override { return dt_; }
+  void setStep(double dt) { dt_ = dt; }
 
-  /// The half kick that is owed, the first half kick, and the drift by dt, in one pass over memory.
-  /// Advances State::time and step. Leaves State::force and torque zero.
-  DriftReport kickAndDrift(State& state, ForceField& forces, const Boundaries& boundaries,
-                           EnergyAccounts& accounts);
-  /// Second half kick, with the forces at the new time, which it completes.
-  void kick(State& state, ForceField& forces, const Boundaries& boundaries,
-            EnergyAccounts& accounts) const;
-  /// Leaves the second half kick to the next step, since nobody looks at this step's end. Until
-  /// then forces lack the pairs and velocities are half a step old.
-  void oweKick() { owed_ = true; }
+  /// Both half kicks around a step's end and the drift go through memory once, as far as nobody
+  /// looks in between.
+  DriftReport move(System& system) override;
+  void finish(System& system, bool seen) override;
 
  private:
   double dt_, damping_;
-  bool owed_ = false;
+  bool owed_ = false;  ///< the second half kick of the last step has not been made
 };
 
 }  // namespace nanoweft

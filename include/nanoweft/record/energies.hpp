@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "nanoweft/force/force_field.hpp"
-#include "nanoweft/motion/verlet.hpp"
+#include "nanoweft/motion/system.hpp"
 #include "nanoweft/state/state.hpp"
 
 namespace nanoweft {

@@ -38,17 +38,20 @@ struct TableRun {
 
 class TableMonitor {
  public:
-  /// `columns`: names after `step`; `curves`: which of them a line graph shows, over column
-  /// `abscissa`.
-  TableMonitor(Options& options, std::string option, const char* help,
-               std::vector<std::string> columns, std::size_t abscissa,
-               std::vector<std::size_t> curves);
+  struct Layout {
+    std::string option;
+    const char* help;
+    std::vector<std::string> columns;  ///< names after `step`
+    std::size_t abscissa;              ///< column that a line graph is drawn over
+    std::vector<std::size_t> curves;   ///< columns that it shows
+  };
+  TableMonitor(Options& options, Layout layout);
   ~TableMonitor();
   TableMonitor(const TableMonitor&) = delete;
   TableMonitor& operator=(const TableMonitor&) = delete;
 
   bool wanted() const { return wanted_; }
-  const std::string& option() const { return option_; }
+  const std::string& option() const { return layout_.option; }
   /// Where the table goes, empty when not into a file. Throws InputError for a viewer that cannot
   /// hold a table.
   std::string fileName() const;
@@ -85,10 +88,7 @@ class TableMonitor {
   void read(const TableRun& run);
   void openViewer();
 
-  std::string option_;
-  std::vector<std::string> columns_;
-  std::size_t abscissa_;
-  std::vector<std::size_t> curves_;
+  Layout layout_;
   bool wanted_;
   MPI_Comm comm_ = MPI_COMM_NULL;
   PetscViewer viewer_ = nullptr;

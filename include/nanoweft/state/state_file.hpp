@@ -84,7 +84,11 @@ inline constexpr const char* programText = "program";
 inline constexpr const char* versionText = "version";
 inline constexpr const char* optionsText = "options";
 inline constexpr const char* inputText = "input";
-inline constexpr const char* purposeText = "purpose";  ///< checkpoint, final or snapshot
+inline constexpr const char* purposeText = "purpose";
+// What a file is for: the values of that text.
+inline constexpr const char* checkpointPurpose = "checkpoint";
+inline constexpr const char* finalPurpose = "final";
+inline constexpr const char* snapshotPurpose = "snapshot";
 
 /// The texts of a record that says where a file comes from, and back.
 std::map<std::string, std::string> provenanceTexts(const Provenance& run,

@@ -1,0 +1,20 @@
+/// What a run prints: header and summary.
+#pragma once
+
+#include "nanoweft/app/run_parts.hpp"
+#include "nanoweft/record/observer.hpp"
+
+namespace nanoweft {
+
+void printHeader(const RunParts& parts, const Moment& start);
+
+/// Where the summary counts from.
+struct Clock {
+  explicit Clock(const Moment& start);
+  double wall, time;
+  std::int64_t step, resolved;
+};
+/// `end`: with energies. Collective.
+void printSummary(const RunParts& parts, const Moment& end, const Clock& clock);
+
+}  // namespace nanoweft

@@ -1,0 +1,65 @@
+/// A run put together: segments, forces, motion and what looks at them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nanoweft/app/run_plan.hpp"
+#include "nanoweft/domain/domain.hpp"
+#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/motion/step_limit.hpp"
+#include "nanoweft/motion/stepper.hpp"
+#include "nanoweft/motion/system.hpp"
+#include "nanoweft/state/state.hpp"
+
+namespace nanoweft {
+
+/// The threads of a rank.
+struct Team {
+  int asked = 1;
+  bool atMost = false;  ///< fewer when a small scene would not keep them busy
+  int given = 1;        ///< by the runtime
+};
+
+struct RunParts {
+  /// Makes or reads the segments and shares them among ranks. Throws InputError for a start that
+  /// cannot be meant. Changes no file. Collective.
+  RunParts(std::unique_ptr<RunPlan> plan, Team team);
+  RunParts(const RunParts&) = delete;
+  RunParts& operator=(const RunParts&) = delete;
+
+  System system() { return {*state, *domain, *forces, plan->boundaries, accounts}; }
+  bool evaluatesOnly() const { return plan->evaluatesOnly(state->step); }
+  /// By it a later stage knows whether its bonds are the same.
+  std::vector<double> fingerprint() const;
+
+  std::unique_ptr<RunPlan> plan;
+  Team team;
+  std::unique_ptr<State> state;
+  std::unique_ptr<Domain> domain;
+  std::unique_ptr<ForceField> forces;
+  std::unique_ptr<Stepper> stepper;
+  EnergyAccounts accounts;
+  StepLimits limits;
+  std::optional<double> defaultStep;  ///< when the state chose the step
+  double stepBefore = 0;              ///< of the checkpoint, where the step is new
+  std::vector<std::string> warnings;  ///< of the start
+
+ private:
+  void makeForces();
+  void fillState();
+  void chooseTeam();
+  /// Takes up what the checkpoint, or an earlier stage, says.
+  void goOn();
+  void restore(const RunRecord& record);
+  void share();
+  /// Refuses a start whose bonds are far from rest, or keeps a warning for the header.
+  void checkStart();
+  void perturb();
+  void refuseOverlap() const;
+  void chooseStep();
+  double defaultTimeStep();
+};
+
+}  // namespace nanoweft

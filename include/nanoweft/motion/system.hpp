@@ -1,0 +1,26 @@
+/// The parts of a run that move, act and are looked at together.
+#pragma once
+
+#include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/domain/domain.hpp"
+#include "nanoweft/force/force_field.hpp"
+#include "nanoweft/motion/boundary.hpp"
+#include "nanoweft/state/state.hpp"
+
+namespace nanoweft {
+
+/// Energy taken out by damping and broken bonds, and brought in by boundaries, since the start, on
+/// this rank.
+struct EnergyAccounts {
+  ExactSum damped, external, broken;
+};
+
+struct System {
+  State& state;
+  Domain& domain;
+  ForceField& forces;
+  const Boundaries& boundaries;
+  EnergyAccounts& accounts;
+};
+
+}  // namespace nanoweft

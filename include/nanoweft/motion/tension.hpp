@@ -1,0 +1,57 @@
+/// The tension test (model.md 8): two grips that move apart along an axis.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/state/state.hpp"
+#include "nanoweft/state/state_file.hpp"
+
+namespace nanoweft {
+
+/// Bits of State::group that mark the segments held by the grips of a tension test.
+inline constexpr int leftGripBit = 28, rightGripBit = 29;
+
+struct Tension {
+  int axis = 0;
+  double rate = 0, ramp = 0, grip = 0;
+  std::optional<std::array<double, 2>> ends;  ///< of the piece; empty: its outermost segments
+  double maxStrain = 0;
+  double width = 0;      ///< of the fabric at the start; 0: measured
+  double thickness = 0;  ///< for the stress
+  double gage = 0;       ///< distance between the grips at the start
+  double start = 0;      ///< time of the start of this stage
+  double before = 0;     ///< strain at that time, reached in earlier stages
+  bool fresh = false;    ///< a test of its own, whatever the state has gone through
+
+  /// Engineering strain at `time`: what was before, and the integral of the ramped velocity.
+  double strain(double time) const;
+
+  /// What the options say, where they say it.
+  struct Asked {
+    std::optional<int> axis;
+    std::optional<double> grip, width, thickness;
+    std::optional<std::array<double, 2>> ends;
+  } asked;
+
+  /// A test of its own: measures the piece and marks what its grips hold. Throws InputError for a
+  /// piece that cannot be gripped. Collective.
+  void measure(State& state);
+  /// Takes up the test of a checkpoint. Throws InputError when something is missing.
+  void restore(const RunRecord& record);
+  /// Takes up the test of an earlier stage, which `time` ends. Throws InputError for options that
+  /// contradict it as well.
+  void goOn(const RunRecord& record, double time);
+  /// Writes down what the two need; `time` is the present.
+  void save(RunRecord& record, double time) const;
+};
+
+/// Empty when the options ask for none. `restDistance` of two fibres that touch: default of the
+/// sheet's thickness.
+std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Fibre& fibre,
+                                   double restDistance);
+
+}  // namespace nanoweft

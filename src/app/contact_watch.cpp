@@ -1,0 +1,49 @@
+#include <petscsys.h>
+
+#include <cmath>
+
+#include "nanoweft/app/observers.hpp"
+#include "nanoweft/force/overlap.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+constexpr long interval = 100;
+/// Walls of tubes meet at 2 rf; this part of a radius is more than they, or a law's points, give.
+constexpr double deepest = 0.1;
+
+class ContactWatch : public Observer {
+ public:
+  void begin(const Moment& moment) override { look(moment); }
+  void observe(const Moment& moment) override {
+    if (isDue(moment, interval)) look(moment);
+  }
+
+ private:
+  void look(const Moment& moment);
+
+  bool warned_ = false;
+};
+
+void ContactWatch::look(const Moment& moment) {
+  const ForceField& forces = moment.system.forces;
+  if (warned_ || !forces.pair()) return;
+  const double radius = forces.fibre().radius;
+  const Overlap o = deepestOverlap(moment.state(), forces, (2.0 - deepest) * radius);
+  if (std::isinf(o.distance)) return;
+  warned_ = true;
+  PetscPrintf(moment.state().comm(),
+              "warning: step %lld: fibre %lld segment %d and fibre %lld segment %d overlap by %.0f "
+              "%% of a radius; what the pair law says is doubtful there\n",
+              static_cast<long long>(moment.step()), static_cast<long long>(o.fibre[0]), o.index[0],
+              static_cast<long long>(o.fibre[1]), o.index[1], 100.0 * (2.0 - o.distance / radius));
+}
+
+}  // namespace
+
+std::unique_ptr<Observer> makeContactWatch(const ObserverContext&) {
+  return std::make_unique<ContactWatch>();
+}
+
+}  // namespace nanoweft

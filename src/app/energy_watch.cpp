@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <cmath>
+
+#include "nanoweft/app/instability.hpp"
+#include "nanoweft/app/observers.hpp"
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// Steps between looks that nobody else asks for.
+constexpr long interval = 100;
+
+class EnergyWatch : public Observer {
+ public:
+  explicit EnergyWatch(const ObserverContext& context)
+      : units_(context.units), alarm_(context.settings.energyAlarm) {}
+
+  void begin(const Moment& moment) override {
+    if (!std::isfinite(moment.energies->balance()))
+      throw RunError(
+          "the energy of the first state is not a finite number: check the fibre's parameters and "
+          "the geometry");
+  }
+  View view(const Moment& moment) const override {
+    return isDue(moment, interval) ? View::energies : View::positions;
+  }
+  void observe(const Moment& moment) override;
+
+ private:
+  const UnitSystem& units_;
+  double alarm_;
+  double available_ = 0;  ///< energy that there was to turn into motion, at its most
+};
+
+void EnergyWatch::observe(const Moment& moment) {
+  if (!moment.energies) return;
+  const Energies &e = *moment.energies, &first = moment.first;
+  if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
+  if (alarm_ == 0) return;
+  const Fibre& fibre = moment.system.forces.fibre();
+  // What there was to turn into motion: the start's own energy, the work done on the fibres, and
+  // what they gained by coming together; at its most, since Verlet's error stays behind when the
+  // motion that made it is over. The floor keeps round-off of a scene at rest silent.
+  available_ = std::max(available_, first.elastic() + first.kinetic + first.rotational +
+                                        std::abs(e.external - first.external) +
+                                        std::abs(e.pair - first.pair) +
+                                        1e-9 * fibre.bond.stretch * fibre.length * fibre.length *
+                                            static_cast<double>(moment.state().total()));
+  const double risen = e.balance() - first.balance();
+  if (risen > alarm_ * available_)
+    throwUnstable(moment, units_,
+                  format(" and energy has risen by %.3g %s out of nothing", risen, units_.energy));
+}
+
+}  // namespace
+
+std::unique_ptr<Observer> makeEnergyWatch(const ObserverContext& context) {
+  return std::make_unique<EnergyWatch>(context);
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,42 @@
+#include "nanoweft/app/instability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+void throwUnstable(const Moment& moment, const UnitSystem& units, const std::string& sign) {
+  const State& state = moment.state();
+  const double dt = moment.stepper.dt(), half = 0.5 * moment.system.forces.fibre().length;
+  // The worst segment of all ranks: not a number counts as infinitely fast.
+  struct {
+    double distance;
+    int rank;
+  } worst{-1.0, state.rank()};
+  long long segment[2] = {0, 0};
+  for (int i = 0; i < state.owned(); ++i) {
+    const double* v = state.velocity + 3 * i;
+    const double* w = state.angular + 3 * i;
+    const double slide = std::hypot(v[0], v[1], v[2]), turn = std::hypot(w[0], w[1], w[2]) * half;
+    double distance = dt * std::max(slide, turn);
+    if (!std::isfinite(slide) || !std::isfinite(turn))
+      distance = std::numeric_limits<double>::infinity();
+    if (distance > worst.distance) {
+      worst.distance = distance;
+      segment[0] = state.fibre[i];
+      segment[1] = state.chain[2 * i];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, state.comm());
+  MPI_Bcast(segment, 2, MPI_LONG_LONG, worst.rank, state.comm());
+  throw RunError(
+      format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s%s "
+             "(stable limit when last looked at: %.4g); take a smaller -ts_dt",
+             static_cast<long long>(state.step), segment[0], segment[1], worst.distance,
+             units.length, dt, units.time, sign.c_str(), moment.limits.present));
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,35 @@
+#include "nanoweft/app/observers.hpp"
+
+#include <utility>
+
+#include "nanoweft/record/energy_table.hpp"
+#include "nanoweft/record/snapshot_writer.hpp"
+#include "nanoweft/record/stress_table.hpp"
+
+namespace nanoweft {
+
+Observers makeObservers(Options& options, const ObserverContext& c) {
+  const RunSettings& s = c.settings;
+  Observers all;
+  auto add = [&](std::unique_ptr<Observer> one) {
+    if (one) all.push_back(std::move(one));
+  };
+  // First what doubts the numbers that the others write down, then those, then what ends the run.
+  add(makeEnergyWatch(c));
+  add(makeContactWatch(c));
+  add(makeEnergyTable(options, c.units, s.monitorInterval));
+  add(makeStressTable(options, c.units, c.boundaries, s.monitorInterval));
+  add(makeRelaxation(c));
+  add(makeBalance(c));
+  add(makeProgress(c));
+  add(makeSnapshotWriter(s.snapshotFile, s.snapshotInterval, c.units));
+  add(makeStepWatch(c));
+  add(makeCheckpoints(c));
+  add(makeFinalState(c));
+  add(makeEnds(c));
+  add(makeSignalStop(c));
+  add(makeWallTimeStop(c));
+  return all;
+}
+
+}  // namespace nanoweft

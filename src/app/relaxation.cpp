@@ -1,0 +1,76 @@
+#include <cmath>
+
+#include "nanoweft/app/observers.hpp"
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+class Relaxation : public Observer {
+ public:
+  explicit Relaxation(const ObserverContext& context)
+      : tolerance_(context.settings.relaxTolerance), interval_(context.settings.relaxInterval) {}
+
+  void restore(const RunRecord& record) override {
+    const auto& elastic = record.needReals("relax_elastic", 2);
+    const auto interval = static_cast<double>(interval_);
+    restarted_ = true;
+    // Energies are compared that lie an interval apart.
+    if (elastic[1] == interval) last_ = elastic[0];
+    // A run that was over is over, unless more is asked of it now.
+    if (!record.reals.contains(endName)) return;
+    const auto& end = record.needReals(endName, 2);
+    converged_ = end[0] <= tolerance_ && end[1] == interval;
+  }
+  std::string endReached(const Moment& moment) const override {
+    return converged_ ? format("had converged at step %lld", static_cast<long long>(moment.step()))
+                      : "";
+  }
+  void begin(const Moment& moment) override {
+    if (!restarted_ && tolerance_ > 0) last_ = moment.energies->elastic();
+  }
+  View view(const Moment& moment) const override {
+    return looks(moment) ? View::energies : View::positions;
+  }
+  void observe(const Moment& moment) override {
+    if (!looks(moment)) return;
+    const double elastic = moment.energies->elastic();
+    converged_ = last_ >= 0 && std::abs(elastic - last_) <= tolerance_ * elastic;
+    last_ = elastic;
+  }
+  Verdict verdict(const Moment&) const override {
+    return converged_ ? Verdict::done : Verdict::goOn;
+  }
+  std::string reason() const override {
+    return converged_ ? format(
+                            "converged: the elastic energy changed by less than %g of itself in "
+                            "%ld steps",
+                            tolerance_, interval_)
+                      : "";
+  }
+  void save(RunRecord& record) const override {
+    const auto interval = static_cast<double>(interval_);
+    record.reals["relax_elastic"] = {last_, interval};
+    if (converged_) record.reals[endName] = {tolerance_, interval};
+  }
+
+ private:
+  static constexpr const char* endName = "ended_by_relax_tolerance";
+
+  bool looks(const Moment& moment) const { return tolerance_ > 0 && isDue(moment, interval_); }
+
+  double tolerance_;  ///< 0: never converged
+  long interval_;
+  bool restarted_ = false, converged_ = false;
+  double last_ = -1;  ///< elastic energy at the last look; -1: there was none
+};
+
+}  // namespace
+
+std::unique_ptr<Observer> makeRelaxation(const ObserverContext& context) {
+  // A checkpoint carries what it saw even of a run that it does not end.
+  return std::make_unique<Relaxation>(context);
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,198 @@
+#include "nanoweft/app/run_parts.hpp"
+
+#include <algorithm>
+
+#include "nanoweft/app/accounts_record.hpp"
+#include "nanoweft/app/provenance.hpp"
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/base/random.hpp"
+#include "nanoweft/base/threads.hpp"
+#include "nanoweft/motion/breakage.hpp"
+#include "nanoweft/scene/start_check.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// With fewer segments a thread waits longer for the others than it works.
+constexpr std::int64_t segmentsPerThread = 1500;
+
+}  // namespace
+
+RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
+    : plan(std::move(thePlan)), team(theTeam) {
+  makeForces();
+  fillState();
+  chooseTeam();
+  if (!plan->checkpoint && plan->settings.perturb > 0) perturb();
+  goOn();
+  share();
+  if (!plan->checkpoint && forces->pair() && !plan->settings.allowOverlap) refuseOverlap();
+  chooseStep();
+}
+
+void RunParts::makeForces() {
+  ForceField::Settings force;
+  const Fibre& fibre = force.fibre = plan->fibre;
+  force.pair = std::move(plan->pair);
+  force.breakage = plan->breakage;
+  // The options are for two lengths of 2 rf: a rate per length squared.
+  const double lengths = fibre.length / fibre.diameter();
+  const ViscousDamping& viscous = plan->settings.viscous;
+  force.viscous = {viscous.linear * (lengths * lengths), viscous.angular * (lengths * lengths)};
+  force.skin = plan->settings.skin;
+  force.threads = team.asked;
+  forces = std::make_unique<ForceField>(std::move(force), plan->box);
+}
+
+void RunParts::fillState() {
+  const UnitSystem& units = plan->units;
+  State::Extras extras;
+  extras.gap = plan->breaks() && forces->pair();
+  extras.viscous = static_cast<bool>(plan->settings.viscous);
+  state = std::make_unique<State>(plan->comm, plan->box, extras);
+  if (plan->checkpoint) {
+    requireParts(*plan->checkpoint, {extras.gap, extras.viscous});
+    readStateRows(plan->restart, *plan->checkpoint, *state);
+  } else {
+    plan->scene->fill(*state);
+  }
+  requireWideBox(plan->box, 1.5 * plan->fibre.length, units.length);
+  // Before what else such a start would meet, so that the cause that is named is the cause.
+  if (!plan->checkpoint) checkStart();
+  if (forces->pair()) requireWideBox(plan->box, forces->lists().range(), units.length);
+}
+
+void RunParts::chooseTeam() {
+  if (team.atMost) {
+    const std::int64_t busy = state->total() / state->ranks() / segmentsPerThread;
+    team.asked = static_cast<int>(std::clamp<std::int64_t>(busy, 1, team.asked));
+  }
+  team.given = teamGiven(team.asked);
+  forces->lists().setThreads(team.given);
+}
+
+void RunParts::checkStart() {
+  const StateHeader* file = plan->scene->header();
+  const Box own = plan->scene->box();
+  bool evolved = false;
+  if (file)
+    if (const auto it = file->run.reals.find("fibre"); it != file->run.reals.end())
+      evolved = it->second == fingerprint() && own.lower == plan->box.lower &&
+                own.upper == plan->box.upper && own.periodic == plan->box.periodic;
+  const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
+  for (const StartFinding& finding : lookAtStart(
+           *state,
+           {plan->units, plan->fibre, own, plan->scene->asked(), file != nullptr, evolved})) {
+    if (finding.refused && refuse)
+      throw InputError("the start cannot be meant: " + finding.text + " (or -start_unchecked)");
+    warnings.push_back("at the start, " + finding.text);
+  }
+}
+
+void RunParts::perturb() {
+  State& s = *state;
+  const std::uint64_t seed = plan->settings.seed;
+  for (int i = 0; i < s.owned(); ++i) {
+    for (int c = 0; c < 3; ++c)
+      s.pose[8 * i + c] +=
+          plan->settings.perturb * normalDraw(seed + static_cast<std::uint64_t>(c) * 0x9E3779B9u,
+                                              Purpose::perturbation, s.fibre[i],
+                                              static_cast<std::uint32_t>(s.chain[2 * i]));
+    s.box.wrap(s.pose + 8 * i, s.image + 3 * i);
+  }
+}
+
+void RunParts::goOn() {
+  const RunRecord empty;
+  const StateHeader* header = plan->startHeader();
+  const RunRecord& record = header ? header->run : empty;
+  Boundaries& boundaries = plan->boundaries;
+  boundaries.attach(*state, record, plan->checkpoint.has_value());
+  if (plan->checkpoint) restore(record);
+  if (!boundaries.tensionGoesOn()) return;
+  for (const auto& observer : plan->observers) observer->restoreStage(record);
+  const Tension& t = *boundaries.tension();
+  if (t.before >= t.maxStrain && !evaluatesOnly())
+    throw InputError(
+        format("-tension_max_strain %g: the tension test that %s carries has reached a strain of "
+               "%g; give a larger one, or start a test of its own with -tension_new",
+               t.maxStrain, record.source.c_str(), t.before));
+}
+
+void RunParts::restore(const RunRecord& record) {
+  const std::string& file = plan->restart;
+  if (record.needReals("fibre", fingerprint().size()) != fingerprint())
+    throw InputError("-restart " + file +
+                     ": its fibres have other parameters than the options say (-fibre_...)");
+  if (plan->checkpoint->units != plan->units.name)
+    throw InputError(format("-restart %s: it is in units %s, its options in %s", file.c_str(),
+                            plan->checkpoint->units.c_str(), plan->units.name.c_str()));
+  restoreAccounts(accounts, record, state->rank());
+  for (const auto& observer : plan->observers) observer->restore(record);
+}
+
+void RunParts::share() {
+  domain = std::make_unique<Domain>(*state, plan->settings.partition);
+  forces->rebuild(*state, *domain);
+  if (plan->breaks()) {
+    spreadOldBreaks(*state, forces->pair() ? forces->pair()->exclude() : 0);
+    forces->rebuild(*state, *domain);  // the bond lists again, without the broken ones
+  }
+  // The first shares know nothing of the work; the next ones do, and METIS may have to help.
+  for (int k = 0; k < 2 && domain->unequal(); ++k) forces->rebuild(*state, *domain);
+}
+
+void RunParts::refuseOverlap() const {
+  const UnitSystem& units = plan->units;
+  const double sensible = forces->pair()->closestSensible();
+  // To evaluate a strong overlap is harmless; only points that all but coincide have no force.
+  const double least = evaluatesOnly() ? 0.25 * plan->fibre.radius : sensible;
+  const ClosestPair c = findClosestPair(*state, *forces);
+  if (c.distance >= least) return;
+  throw InputError(format(
+      "fibres overlap: fibre %lld segment %d and fibre %lld segment %d are %.4g %s apart, and "
+      "their walls meet at %.4g %s; "
+      "move them apart (or -pair_allow_overlap)",
+      static_cast<long long>(c.fibre[0]), c.index[0], static_cast<long long>(c.fibre[1]),
+      c.index[1], c.distance, units.length, sensible, units.length));
+}
+
+double RunParts::defaultTimeStep() {
+  const double stable = evaluatesOnly() ? chainStepLimit(plan->fibre) : limits.present;
+  // While a minimiser runs, fibres that were apart may be pressed together.
+  if (plan->minimises())
+    return adaptedShare * std::min(stable, bundleStepLimit(plan->fibre, forces->pair()));
+  if (plan->fibre.step > 0) return plan->fibre.step;
+  // A restart keeps the step that was chosen at the start.
+  if (plan->checkpoint && plan->checkpoint->run.reals.contains("default_step"))
+    return *(defaultStep = plan->checkpoint->run.needReals("default_step", 1)[0]);
+  if (!evaluatesOnly()) defaultStep = 0.4 * stable;
+  return 0.4 * stable;
+}
+
+void RunParts::chooseStep() {
+  const RunSettings& settings = plan->settings;
+  if (!evaluatesOnly()) limits.note(presentStepLimit(*state, *forces, domain->halo()));
+  const double dt = settings.dt ? *settings.dt : defaultTimeStep();
+  if (!evaluatesOnly() && dt > limits.present && !settings.unsafeStep)
+    throw InputError(
+        format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
+               "that (or -ts_dt_unsafe)",
+               dt, limits.present, plan->units.time));
+  stepper = settings.stepper->make(plan->fibre, dt, settings.damping);
+  if (!plan->checkpoint) return;
+  stepper->restore(plan->checkpoint->run);
+  if (!plan->stepIsNew) return;
+  stepBefore =
+      stepper->adapts() ? stepper->longest() : plan->checkpoint->run.needReals("time_step", 1)[0];
+  stepper->setLongest(*settings.dt);
+}
+
+std::vector<double> RunParts::fingerprint() const {
+  const Fibre& f = plan->fibre;
+  return {f.radius,       f.length,     f.mass,         f.inertia,
+          f.bond.stretch, f.bond.shear, f.bond.bending, f.bond.torsion};
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,122 @@
+#include "nanoweft/app/run_plan.hpp"
+
+#include "nanoweft/app/provenance.hpp"
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/base/locked_file.hpp"
+#include "nanoweft/motion/breakage.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+std::optional<StateHeader> readCheckpoint(MPI_Comm comm, const std::string& file,
+                                          Options& options) {
+  if (options.helpWanted() || file.empty()) return std::nullopt;
+  return openCheckpoint(comm, file, options);
+}
+
+}  // namespace
+
+// The order of the members is that in which options must be read: each may need those before.
+RunPlan::RunPlan(MPI_Comm communicator, Options& options)
+    : comm(communicator),
+      restart(readRestart(options)),
+      checkpoint(readCheckpoint(comm, restart, options)),
+      units(readUnits(options)),
+      fibre(readFibre(options, units)),
+      pair(readPairForce(options, units, fibre)),
+      settings(readRunSettings(options, units, pair != nullptr)),
+      breakage(readBreakage(options, units, fibre, settings.seed)),
+      scene(readScene(options, {units, fibre, comm, restDistance()},
+                      options.helpWanted() || checkpoint)),
+      boundaries(options, units, fibre, restDistance()),
+      observers(makeObservers(options, {settings, units, boundaries})) {
+  readBox(options);
+  options.refuseUnknown();
+  if (options.helpWanted()) return;
+  refuseContradictions();
+  provenance = readProvenance(comm, options, startHeader(), checkpoint.has_value());
+  stepIsNew = seeNewStep(options);
+  requireDistinctOutputs();
+  for (const auto& observer : observers) observer->check(outputContext(false));
+}
+
+double RunPlan::restDistance() const {
+  return pair ? pair->restDistance() : usualRestDistance(fibre, units);
+}
+
+void RunPlan::readBox(Options& options) {
+  if (checkpoint) box = checkpoint->box;
+  if (scene) box = scene->box();
+  Box given = box;
+  if (options.helpWanted()) given.upper = {1, 1, 1};
+  readDomain(options, units, given);
+  // A restart keeps the box of its checkpoint.
+  if (!checkpoint) box = given;
+}
+
+void RunPlan::refuseContradictions() const {
+  if (!settings.maxSteps && !settings.maxTime && settings.relaxTolerance == 0 &&
+      settings.relaxForce == 0 && !boundaries.tension())
+    throw InputError(
+        "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance, -relax_force or "
+        "-tension_rate");
+  if (minimises()) {
+    const std::string method = "-relax_method " + settings.stepper->name;
+    if (boundaries.tension())
+      throw InputError(method + ": a tension test moves the grips; relax first, then pull");
+    for (const Boundary& b : boundaries.list())
+      if (norm(b.velocity) > 0)
+        throw InputError(method + ": -" + b.name +
+                         "_velocity keeps the fibres moving, so there is no rest");
+  }
+  if (breakage && pair && pair->exclude() > mostExcludeWithBreakage)
+    throw InputError(
+        format("-pair_exclude %d: at most %d with breakage (by default 20 diameters over the "
+               "segment length)",
+               pair->exclude(), mostExcludeWithBreakage));
+}
+
+bool RunPlan::seeNewStep(const Options& options) const {
+  if (!checkpoint || !options.readings().at("ts_dt").byUser) return false;
+  const RunRecord& old = checkpoint->run;
+  // A minimiser's longest step may have been shortened since it was given.
+  return minimises() ? provenance.options != old.texts.at(optionsText)
+                     : old.needReals("time_step", 1)[0] != *settings.dt;
+}
+
+OutputContext RunPlan::outputContext(bool over) const {
+  OutputContext context;
+  context.comm = comm;
+  context.rule.run = provenance;
+  context.rule.overwrite = settings.overwrite;
+  context.rule.restart = restart;
+  if (checkpoint) context.rule.checkpoint = provenanceOf(checkpoint->run);
+  if (scene && !scene->file().empty()) context.rule.inputs = {scene->file()};
+  context.restart = checkpoint.has_value();
+  context.step = startHeader() ? startHeader()->step : 0;
+  context.over = over;
+  return context;
+}
+
+void RunPlan::requireDistinctOutputs() const {
+  std::vector<Observer::Output> all;
+  for (const auto& observer : observers)
+    for (const Observer::Output& output : observer->outputs())
+      if (!output.name.empty()) all.push_back(output);
+  std::string problem;
+  if (int rank; MPI_Comm_rank(comm, &rank) == MPI_SUCCESS && rank == 0)
+    for (const Observer::Output& one : all)
+      for (const Observer::Output& other : all) {
+        if (&one == &other || one.makes) continue;
+        if (other.makes ? other.makes(other.name, one.name) : false)
+          problem = format("-%s %s is a file that -%s %s makes", one.option, one.name.c_str(),
+                           other.option, other.name.c_str());
+        else if (&other > &one && !other.makes && isSameFile(one.name, other.name))
+          problem = format("-%s %s and -%s %s are the same file", one.option, one.name.c_str(),
+                           other.option, other.name.c_str());
+      }
+  agree<InputError>(comm, problem);
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,151 @@
+#include "nanoweft/motion/tension.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nanoweft/base/canonical.hpp"
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+double Tension::strain(double time) const {
+  const double t = time - start;
+  if (t <= 0) return before;
+  return before + (t < ramp ? rate * t * t / (2.0 * ramp) : rate * (t - 0.5 * ramp));
+}
+
+std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Fibre& fibre,
+                                   double restDistance) {
+  OptionSection ask(options, "Tension test");
+  const bool wanted =
+      ask.given("tension_rate") || ask.given("tension_axis") || ask.given("tension_grip");
+  OptionSection s(options, "Tension test", wanted,
+                  "there is no tension test without -tension_rate");
+  const std::string perTime = std::string("1/") + units.time;
+  Tension t;
+  const std::string axis =
+      s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
+  t.axis = axis[0] - 'x';
+  if (s.given("tension_axis")) t.asked.axis = t.axis;
+  t.rate = s.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(),
+                       "engineering strain rate; turns the test on", positive)
+               .value_or(2e8 * units.secondsPerTime);
+  t.ramp = s.maybeReal("tension_ramp", "0.01 strain at full rate", units.time,
+                       "time of constant acceleration at the start", nonNegative)
+               .value_or(0.01 / t.rate);
+  t.asked.grip = s.maybeReal("tension_grip", "10 rf", units.length,
+                             "length of each grip, from the ends of the piece inwards", positive);
+  t.grip = t.asked.grip.value_or(10.0 * fibre.radius);
+  if (const auto ends = s.reals("tension_ends", 2, "its outermost segments", units.length,
+                                "where the piece ends; what lies beyond is held by the grips")) {
+    t.asked.ends = {(*ends)[0], (*ends)[1]};
+    if (!((*ends)[0] < (*ends)[1]))
+      throw InputError(
+          format("-tension_ends %g,%g: the lower end comes first", (*ends)[0], (*ends)[1]));
+  }
+  t.ends = t.asked.ends;
+  t.maxStrain =
+      s.as(Role::run).real("tension_max_strain", 0.5, "", "strain at which the run ends", positive);
+  t.asked.width = s.maybeReal("tension_width", "measured at the start", units.length,
+                              "width of the fabric, for the stress", positive);
+  t.width = t.asked.width.value_or(0.0);
+  t.asked.thickness =
+      s.maybeReal("tension_thickness", "17.1 A for cnt_10_10, else the rest distance", units.length,
+                  "thickness of the fabric, for the stress", positive);
+  t.thickness = t.asked.thickness.value_or(fibre.sheet > 0 ? fibre.sheet : restDistance);
+  t.fresh =
+      s.flag("tension_new", false,
+             "a test of its own, even when the state that the run starts from has been pulled "
+             "before");
+  return wanted ? std::optional(t) : std::nullopt;
+}
+
+void Tension::restore(const RunRecord& record) {
+  const auto& piece = record.needReals("tension", 3);
+  start = piece[0];
+  gage = piece[1];
+  width = piece[2];
+  before = record.needReals("tension_strain", 2)[0];
+  axis =
+      static_cast<int>(std::clamp<std::int64_t>(record.needIntegers("tension_axis", 1)[0], 0, 2));
+  grip = record.needReals("tension_grip", 1)[0];
+  thickness = record.needReals("tension_thickness", 1)[0];
+  const auto& both = record.needReals("tension_ends", 2);
+  ends = {both[0], both[1]};
+}
+
+void Tension::goOn(const RunRecord& record, double time) {
+  restore(record);
+  start = time;
+  before = record.needReals("tension_strain", 2)[1];
+  auto contradicted = [&](const char* option, const std::string& own, const std::string& old) {
+    throw InputError(format(
+        "-%s %s: %s carries a tension test with %s, which goes on; leave the option out, or start "
+        "a test of its own with -tension_new",
+        option, own.c_str(), record.source.c_str(), old.c_str()));
+  };
+  // Options are given in decimal, what the earlier stage measured may differ in the last bit.
+  auto compare = [&](const char* option, const std::optional<double>& own, double old) {
+    if (own && std::abs(*own - old) > 1e-9 * std::abs(old))
+      contradicted(option, canonical(*own), canonical(old));
+  };
+  if (asked.axis && *asked.axis != axis)
+    contradicted("tension_axis", std::string(1, "xyz"[*asked.axis]), std::string(1, "xyz"[axis]));
+  compare("tension_grip", asked.grip, grip);
+  compare("tension_width", asked.width, width);
+  compare("tension_thickness", asked.thickness, thickness);
+  if (asked.ends)
+    for (std::size_t k = 0; k < 2; ++k)
+      if (std::abs((*asked.ends)[k] - (*ends)[k]) > 1e-9 * (gage + 2.0 * grip))
+        contradicted("tension_ends", canonical(std::vector{(*asked.ends)[0], (*asked.ends)[1]}),
+                     canonical(std::vector{(*ends)[0], (*ends)[1]}));
+}
+
+void Tension::measure(State& state) {
+  const int across = axis == 0 ? 1 : 0;
+  // lower and negated upper ends, along and across.
+  double extent[4];
+  std::fill_n(extent, 4, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < state.owned(); ++i) {
+    const double along = state.pose[8 * i + axis], other = state.pose[8 * i + across];
+    extent[0] = std::min(extent[0], along);
+    extent[1] = std::min(extent[1], -along);
+    extent[2] = std::min(extent[2], other);
+    extent[3] = std::min(extent[3], -other);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, extent, 4, MPI_DOUBLE, MPI_MIN, state.comm());
+  const auto [lower, upper] = ends.value_or(std::array{extent[0], -extent[1]});
+  ends = {lower, upper};
+  start = state.time;
+  gage = upper - lower - 2.0 * grip;
+  if (state.box.periodic[static_cast<std::size_t>(axis)])
+    throw InputError(format(
+        "-tension_axis %c: the box is periodic in this direction, so there are no ends to grip",
+        "xyz"[axis]));
+  if (!(gage > 0))
+    throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's length of %g",
+                            grip, upper - lower));
+  if (width == 0) {
+    width = state.box.periodic[static_cast<std::size_t>(across)] ? state.box.length(across)
+                                                                 : -extent[3] - extent[2];
+    if (!(width > 0))
+      throw InputError("-tension_width: the piece has no width of its own; give one");
+  }
+  for (int i = 0; i < state.owned(); ++i) {
+    const double x = state.pose[8 * i + axis];
+    if (x <= lower + grip) state.group[i] |= 1 << leftGripBit;
+    if (x >= upper - grip) state.group[i] |= 1 << rightGripBit;
+  }
+}
+
+void Tension::save(RunRecord& record, double time) const {
+  record.reals["tension"] = {start, gage, width};
+  record.reals["tension_strain"] = {before, strain(time)};
+  record.integers["tension_axis"] = {axis};
+  record.reals["tension_grip"] = {grip};
+  record.reals["tension_thickness"] = {thickness};
+  record.reals["tension_ends"] = {(*ends)[0], (*ends)[1]};
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,114 @@
+#include "nanoweft/record/stress_table.hpp"
+
+#include <petscsys.h>
+
+#include <algorithm>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/record/gage_stress.hpp"
+#include "nanoweft/record/grip_stress.hpp"
+#include "nanoweft/record/table_observer.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+class StressTable : public TableObserver {
+ public:
+  StressTable(Options& options, const UnitSystem& units, const Boundaries& boundaries,
+              long interval)
+      : TableObserver(
+            options,
+            {.option = "stress_monitor",
+             .help = "stress of a tension test through a viewer: ascii:FILE.csv, draw",
+             .columns = {timeColumn(units), "strain", "stress_left_GPa", "stress_right_GPa",
+                         "broken_bonds", "virial_xx_GPa", "virial_yy_GPa", "virial_zz_GPa",
+                         "virial_xy_GPa", "virial_xz_GPa", "virial_yz_GPa"},
+             .abscissa = 1,
+             .curves = {2, 3}},
+            interval),
+        units_(units),
+        boundaries_(boundaries) {}
+
+  void check(const OutputContext& context) const override {
+    if (wanted() && !boundaries_.tension())
+      throw InputError("-stress_monitor: there is no tension test; give -tension_rate");
+    TableObserver::check(context);
+  }
+  void begin(const Moment& moment) override {
+    if (!boundaries_.tension()) return;
+    measure(moment);
+    TableObserver::begin(moment);
+  }
+  View view(const Moment& moment) const override {
+    if (!boundaries_.tension() || !isDue(moment, interval())) return View::positions;
+    return wanted() ? View::energies : View::motion;
+  }
+  void observe(const Moment& moment) override {
+    if (!boundaries_.tension() || !isDue(moment, interval())) return;
+    measure(moment);
+    TableObserver::observe(moment);
+  }
+  void finish(const Moment& moment) override {
+    if (!boundaries_.tension()) return;
+    measure(moment);
+    TableObserver::finish(moment);
+  }
+  void summarise(const Moment& moment) const override;
+
+  // A checkpoint and a stage both carry it.
+  void saveStage(RunRecord& record) const override {
+    record.reals["tension_strength"] = {strength_};
+  }
+  void restore(const RunRecord& record) override { restoreStage(record); }
+  void restoreStage(const RunRecord& record) override {
+    strength_ = record.needReals("tension_strength", 1)[0];
+  }
+
+ protected:
+  std::vector<double> row(const Moment& moment) override {
+    const System& s = moment.system;
+    const Tension& tension = *boundaries_.tension();
+    std::vector<double> values{s.state.time, tension.strain(s.state.time), grips_[0], grips_[1],
+                               static_cast<double>(moment.energies->brokenBonds)};
+    const auto virial = gageStress(s.state, s.domain, s.forces, tension, units_);
+    values.insert(values.end(), virial.begin(), virial.end());
+    return values;
+  }
+
+ private:
+  void measure(const Moment& moment) {
+    grips_ = gripStress(moment.state(), moment.system.forces, *boundaries_.tension(), units_);
+    // A row that only closes a piece of the run is none of the whole run's.
+    if (isDue(moment, interval())) strength_ = std::max(strength_, stress());
+  }
+  double stress() const { return 0.5 * (grips_[0] + grips_[1]); }
+
+  const UnitSystem& units_;
+  const Boundaries& boundaries_;
+  std::array<double, 2> grips_{};  ///< stress when last looked at, GPa
+  double strength_ = 0;            ///< the largest stress of the whole test
+};
+
+void StressTable::summarise(const Moment& moment) const {
+  if (!boundaries_.tension()) return;
+  const MPI_Comm comm = moment.state().comm();
+  const double strength = std::max(strength_, stress());
+  PetscPrintf(comm, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n",
+              100 * boundaries_.tension()->strain(moment.state().time), strength,
+              static_cast<long long>(moment.energies->brokenBonds));
+  // Round-off of balanced forces is far below this; stray fibres in the grips feel nothing else.
+  if (strength < 1e-9)
+    PetscPrintf(comm,
+                "warning: the grips have felt no force: nothing joins them (-tension_ends says "
+                "where the piece ends when stray fibres lie beyond)\n");
+}
+
+}  // namespace
+
+std::unique_ptr<Observer> makeStressTable(Options& options, const UnitSystem& units,
+                                          const Boundaries& boundaries, long interval) {
+  return std::make_unique<StressTable>(options, units, boundaries, interval);
+}
+
+}  // namespace nanoweft
