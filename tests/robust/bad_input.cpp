@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
 #include <regex>
 
 #include "nanoweft/base/hdf5.hpp"
+#include "support/expect.hpp"
 #include "support/program.hpp"
 
 using namespace nanoweft;
@@ -19,16 +18,9 @@ using namespace nanoweft::test;
 
 namespace {
 
-// mpirun otherwise sleeps for two seconds after each status that is not 0.
-[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
-
 const std::string fibre = "-scene fibre -fibre_segments 12 -ts_max_steps 2 ";
 const std::string weave = "-scene weave -weave_fibres 4,4 -weave_segments 24 -ts_max_steps 2 ";
 const std::string fromFile = "-scene file -scene_file in.h5 -ts_max_steps 2 ";
-
-void writeText(const std::string& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
 
 /// Every file of the folder but the program's output, with its bytes.
 std::map<std::string, std::string> contents(const Folder& folder) {
@@ -38,23 +30,6 @@ std::map<std::string, std::string> contents(const Folder& folder) {
         name != "out.txt")
       files[name] = entry.is_regular_file() ? readFile(entry.path().string()) : "";
   return files;
-}
-
-void expectClean(const std::string& output) {
-  for (const char* word : {"internal error", "PETSC ERROR", "HDF5-DIAG", "terminate called",
-                           "Segmentation", "MPI_ABORT"})
-    EXPECT_EQ(output.find(word), std::string::npos) << word << " in:\n" << output;
-}
-
-/// One line "nanoweft: error: ..." that holds all fragments, and the status 1.
-void expectRefused(const Outcome& outcome, const std::vector<std::string>& fragments) {
-  EXPECT_EQ(outcome.status, 1) << outcome.output;
-  EXPECT_TRUE(outcome.output.starts_with("nanoweft: error: ")) << outcome.output;
-  EXPECT_EQ(std::ranges::count(outcome.output, '\n'), 1) << outcome.output;
-  for (const std::string& fragment : fragments)
-    EXPECT_NE(outcome.output.find(fragment), std::string::npos)
-        << "no '" << fragment << "' in: " << outcome.output;
-  expectClean(outcome.output);
 }
 
 /// in.h5: one straight fibre of 12 segments, as an outsider would write it.

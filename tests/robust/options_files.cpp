@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 
 #include "nanoweft/app/text_input.hpp"
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/app/yaml_options.hpp"
 #include "nanoweft/base/error.hpp"
+#include "support/expect.hpp"
 #include "support/program.hpp"
 
 using namespace nanoweft;
@@ -18,14 +18,7 @@ using namespace nanoweft::test;
 
 namespace {
 
-// mpirun otherwise sleeps for two seconds after each status that is not 0.
-[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
-
 const std::string rest = " -ts_max_steps 3 -progress_interval 0 ";
-
-void writeText(const std::string& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
 
 /// The line of energies at the end of a run.
 std::string energies(const Outcome& outcome) {
@@ -43,15 +36,6 @@ const std::string& wanted() {
   }();
   EXPECT_TRUE(line.starts_with("energies")) << line;
   return line;
-}
-
-void expectRefused(const Outcome& outcome, const std::vector<std::string>& fragments) {
-  EXPECT_EQ(outcome.status, 1) << outcome.output;
-  EXPECT_TRUE(outcome.output.starts_with("nanoweft: error: ")) << outcome.output;
-  EXPECT_EQ(std::ranges::count(outcome.output, '\n'), 1) << outcome.output;
-  for (const std::string& fragment : fragments)
-    EXPECT_NE(outcome.output.find(fragment), std::string::npos)
-        << "no '" << fragment << "' in: " << outcome.output;
 }
 
 /// An environment variable while it lives.

@@ -3,23 +3,19 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include "nanoweft/base/digest.hpp"
 #include "nanoweft/base/hdf5.hpp"
 #include "nanoweft/state/state_signature.hpp"
+#include "support/expect.hpp"
 #include "support/program.hpp"
 
 using namespace nanoweft;
 using namespace nanoweft::test;
 
 namespace {
-
-// mpirun otherwise sleeps for two seconds after each status that is not 0.
-[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
 
 const std::string weave = "-scene weave -weave_fibres 4,4 -weave_segments 24 -progress_interval 0 ";
 const std::string pulled =
@@ -37,23 +33,6 @@ std::vector<double> realsOf(const std::string& file, const char* name) {
   h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   h5::Handle run(H5Gopen2(f, "run", H5P_DEFAULT), H5Gclose);
   return h5::readReals(run, name).value_or(std::vector<double>());
-}
-
-void expectRefused(const Outcome& outcome, const std::vector<std::string>& fragments) {
-  EXPECT_EQ(outcome.status, 1) << outcome.output;
-  EXPECT_TRUE(outcome.output.starts_with("nanoweft: error: ")) << outcome.output;
-  EXPECT_EQ(std::ranges::count(outcome.output, '\n'), 1) << outcome.output;
-  for (const std::string& fragment : fragments)
-    EXPECT_NE(outcome.output.find(fragment), std::string::npos)
-        << "no '" << fragment << "' in: " << outcome.output;
-}
-
-void expectDone(const Outcome& outcome) {
-  ASSERT_EQ(outcome.status, 0) << outcome.output;
-}
-
-bool says(const Outcome& outcome, const std::string& words) {
-  return outcome.output.find(words) != std::string::npos;
 }
 
 void copy(const Folder& folder, const std::string& from, const std::string& to) {

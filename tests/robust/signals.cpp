@@ -19,8 +19,6 @@ using namespace nanoweft::test;
 
 namespace {
 
-[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
-
 const std::string weave =
     "-scene weave -weave_fibres 4,4 -weave_segments 24 -damping_local 0.3 -progress_interval 0 ";
 const std::string endless = weave + "-ts_max_steps 1000000000 ";
@@ -220,10 +218,10 @@ TEST(LastCheckpoints, AreNamedAsTheyAre) {
   LastCheckpoint last;
   EXPECT_EQ(last.sentence(), "there is no checkpoint");
   const std::string file = folder / "c.h5";
-  std::ofstream(file) << "a";
+  writeText(file, "a");
   last.note(file, 40);
   EXPECT_EQ(last.sentence(), "the checkpoint " + file + " of step 40 is good");
-  std::ofstream(folder / "d.h5") << "another";
+  writeText(folder / "d.h5", "another");
   std::filesystem::rename(folder / "d.h5", file);
   EXPECT_EQ(last.sentence(),
             "the checkpoint " + file + " of step 40 has been changed by others since");

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "nanoweft/base/hdf5.hpp"
+#include "support/expect.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
 
@@ -18,19 +19,7 @@ namespace {
 
 constexpr double T = 13.56, pi = std::numbers::pi;
 
-// mpirun otherwise sleeps for two seconds after each status that is not 0.
-[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
-
 const std::string start = "-scene file -scene_file in.h5 -progress_interval 0 ";
-
-void expectRefused(const Outcome& outcome, const std::vector<std::string>& fragments) {
-  EXPECT_EQ(outcome.status, 1) << outcome.output;
-  EXPECT_TRUE(outcome.output.starts_with("nanoweft: error: ")) << outcome.output;
-  EXPECT_EQ(std::ranges::count(outcome.output, '\n'), 1) << outcome.output;
-  for (const std::string& fragment : fragments)
-    EXPECT_NE(outcome.output.find(fragment), std::string::npos)
-        << "no '" << fragment << "' in: " << outcome.output;
-}
 
 void expectSilent(const Outcome& outcome) {
   EXPECT_EQ(outcome.status, 0) << outcome.output;

@@ -12,8 +12,6 @@ using namespace nanoweft::test;
 
 namespace {
 
-[[maybe_unused]] const int noSleep = setenv("OMPI_MCA_odls_base_sigkill_timeout", "0", 0);
-
 const std::string pulled =
     "-scene fibre -fibre_segments 30 -tension_rate 1e-5 -tension_ramp 0 -tension_grip 30 "
     "-tension_width 10 -progress_interval 0 ";

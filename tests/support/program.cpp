@@ -43,7 +43,8 @@ namespace {
 
 // Waiting threads and ranks must not spin: tests run with more of them than there are cores. Each
 // test has a session folder of its own, since Open MPI's runs that begin and end at the same time
-// take that of their user away from each other.
+// take that of their user away from each other. mpirun sleeps for two seconds after each status
+// that is not 0 unless sigkill_timeout is 0.
 std::string launch(const Folder& folder, const std::string& start, const std::string& options,
                    int threads) {
   const std::string session = folder.path().string() + ".mpi";
@@ -51,7 +52,8 @@ std::string launch(const Folder& folder, const std::string& start, const std::st
          "' && OMPI_MCA_orte_tmpdir_base='" + session +
          "' OMP_NUM_THREADS=" + std::to_string(threads) +
          " OMP_WAIT_POLICY=passive OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
-         " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none exec " +
+         " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none"
+         " OMPI_MCA_odls_base_sigkill_timeout=0 exec " +
          start + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
 }
 
@@ -102,6 +104,10 @@ std::string readFile(const std::string& file) {
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
+}
+
+void writeText(const std::string& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
 }
 
 std::map<std::string, std::vector<double>> readCsv(const std::string& file) {

@@ -44,6 +44,7 @@ Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
                   const std::string& beside);
 
 std::string readFile(const std::string& file);
+void writeText(const std::string& file, const std::string& text);
 /// Columns of a CSV file by name; lines at its head that begin with # are left out.
 std::map<std::string, std::vector<double>> readCsv(const std::string& file);
 /// A dataset of a state file, as doubles, rows after each other.
