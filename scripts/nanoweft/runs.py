@@ -52,8 +52,26 @@ def run(words: Sequence[str], launch: Launch = Launch()) -> subprocess.Completed
     return launch([PROGRAM, *words, "-progress_interval", "0", "-overwrite"])
 
 
+class Number:
+    """The first that the pattern finds in what a run printed; not a number where it finds none."""
+
+    def __init__(self, pattern: str) -> None:
+        self.pattern = pattern
+
+    def __get__(self, printed: Printed, _: type[Printed]) -> float:
+        return printed.number(self.pattern)
+
+
 class Printed:
     """The numbers in what one run printed."""
+
+    drift = Number(r"drifted by ([-+.\de]+)")
+    segments = Number(r"(\d+) segments, box")
+    steps = Number(r"steps (\d+), simulated")
+    rebuilds = Number(r"(\d+) list rebuilds")
+    segment_steps = Number(r"speed: ([-+.\de]+) segment-steps")  # a second
+    pairs = Number(r"segment-steps/s, ([-+.\de]+) pairs")  # a second
+    memory = Number(r"memory (\d+) MB")  # of the rank that took most, MB of 1048576 bytes
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -68,37 +86,6 @@ class Printed:
     @property
     def elastic(self) -> float:
         return sum(self.energy(part) for part in ("stretch", "shear", "bending", "torsion"))
-
-    @property
-    def drift(self) -> float:
-        return self.number(r"drifted by ([-+.\de]+)")
-
-    @property
-    def segments(self) -> float:
-        return self.number(r"(\d+) segments, box")
-
-    @property
-    def steps(self) -> float:
-        return self.number(r"steps (\d+), simulated")
-
-    @property
-    def rebuilds(self) -> float:
-        return self.number(r"(\d+) list rebuilds")
-
-    @property
-    def segment_steps(self) -> float:
-        """Segment-steps a second."""
-        return self.number(r"speed: ([-+.\de]+) segment-steps")
-
-    @property
-    def pairs(self) -> float:
-        """Pairs a second; not a number without pair forces."""
-        return self.number(r"segment-steps/s, ([-+.\de]+) pairs")
-
-    @property
-    def memory(self) -> float:
-        """Of the rank that took most, MB of 1048576 bytes."""
-        return self.number(r"memory (\d+) MB")
 
     @property
     def wall(self) -> float:
