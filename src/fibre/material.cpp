@@ -44,10 +44,11 @@ Fibre cnt1010(const UnitSystem& units) {
 namespace {
 
 /// A PAN-based carbon fibre such as T300: solid, 7 um thick, 230 GPa, 1760 kg/m^3, breaks at 1.5 %
-/// (the maker's data sheet, Toray T300). Shear modulus along the axis 15 GPa, Young's modulus
+/// (the maker's data sheet, Toray CFA-001). Shear modulus along the axis 15 GPa, Young's modulus
 /// across it 15 GPa, and Poisson's ratio there E/(2 G) - 1 with G = 7 GPa: Soden, Hinton and
 /// Kaddour, Composites Science and Technology 58, 1011 (1998). Strength by Weibull's law, as is
-/// usual for fibres of this kind: shape 5, the data sheet's strain for a gage of 25 mm.
+/// usual for fibres of this kind. Its shape 5 is typical, and the gage of 25 mm is a choice: the
+/// data sheet names none for its strain.
 Fibre carbonT300(const UnitSystem& units) {
   const double metre = units.name == "si" ? 1.0 : 1e10;
   Fibre f;

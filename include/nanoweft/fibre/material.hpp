@@ -25,7 +25,7 @@ struct BondParameters {
 struct Strength {
   bool weibull = false;
   double mean = 0.3, deviation = 0.05;  ///< of a length of 2 rf, normal law
-  double shape = 7, strain = 0.3;       ///< Weibull's law
+  double shape = 7, strain = 0.3;       ///< Weibull's law, which then scatters as the normal one
   double length = 0;                    ///< L0 of Weibull's law
 };
 
