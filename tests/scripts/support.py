@@ -1,6 +1,8 @@
 """What the tests of the scripts share: running programs and a folder that goes away."""
 import os
+import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -31,6 +33,17 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return sorted(self.path(name) for name in os.listdir(self.folder)
                       if name.startswith("frame_") and name.endswith(".h5"))
+
+
+def tracked(root: pathlib.Path, *patterns: str) -> list[pathlib.Path]:
+    """The files that git keeps; ends as skipped (CTest's 77) where there is no repository."""
+    done = subprocess.run(["git", "-c", f"safe.directory={root}", "ls-files", "-z", "--", *patterns],
+                          cwd=root, capture_output=True, text=True)
+    if done.returncode:
+        print(f"skipped: {done.stderr.strip()}")
+        sys.exit(77)
+    # One that is deleted but not yet committed is listed, too.
+    return [root / name for name in done.stdout.split("\0") if name and (root / name).exists()]
 
 
 def read_fields(name):
