@@ -186,8 +186,8 @@ def _removed_folder(trial: Trial, scene: Scene, whole: pathlib.Path, command: Co
     trial.note("the folder is removed")
     outcome = running.wait(TIMEOUT)
     # mpirun itself needs the folder at its start, and may be told not to say so.
-    ours = outcome.output or outcome.errors
-    if ours and "Unable to get the current working directory" not in outcome.errors:
+    silent = not outcome.output and not outcome.errors
+    if not silent and "working directory" not in outcome.errors:
         trial.expect(outcome, 0, 1, 2)
     trial.folder.mkdir(parents=True, exist_ok=True)
 
