@@ -94,18 +94,13 @@ StateHeader openCheckpoint(MPI_Comm comm, const std::string& file, Options& opti
   return header;
 }
 
-void requireParts(const StateHeader& checkpoint, const CheckpointNeeds& needs) {
-  std::vector<const char*> parts{
-      "step",  "time",     "position",         "image", "orientation", "fibre",
-      "index", "velocity", "angular_velocity", "group", "bond_broken"};
-  if (needs.gap) parts.push_back("gap");
-  if (needs.viscous) parts.push_back("viscous");
-  for (const char* part : parts)
+void requireParts(const StateHeader& checkpoint, const ExtraFields& extras) {
+  for (const std::string& part : partsOfState(extras))
     if (!checkpoint.parts.contains(part))
       throw InputError(
           format("-restart %s: its /state/%s is missing or empty, without which the run cannot go "
                  "on",
-                 checkpoint.run.source.c_str(), part));
+                 checkpoint.run.source.c_str(), part.c_str()));
 }
 
 }  // namespace nanoweft

@@ -47,12 +47,12 @@ void RunParts::makeForces() {
 
 void RunParts::fillState() {
   const UnitSystem& units = plan->units;
-  State::Extras extras;
+  ExtraFields extras;
   extras.gap = plan->breaks() && forces->pair();
   extras.viscous = static_cast<bool>(plan->settings.viscous);
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   if (plan->checkpoint) {
-    requireParts(*plan->checkpoint, {extras.gap, extras.viscous});
+    requireParts(*plan->checkpoint, extras);
     readStateRows(plan->restart, *plan->checkpoint, *state);
   } else {
     plan->scene->fill(*state);

@@ -26,26 +26,27 @@ struct CellRequest {
 
 struct Candidate {
   double x[3];
-  std::int64_t row, fibre;
-  std::int32_t index, length, bond, local;
+  std::int64_t row;
+  std::int32_t local;
 };
 
 }  // namespace
 
 Halo::Halo(MPI_Comm comm) {
   petsc(PetscSFCreate(comm, &sf_));
-  petsc(PetscSFCreate(comm, &velocitySf_));
-  MPI_Type_contiguous(8, MPI_DOUBLE, &pose_);
-  MPI_Type_commit(&pose_);
-  MPI_Type_contiguous(3, MPI_DOUBLE, &triple_);
-  MPI_Type_commit(&triple_);
+  for (std::size_t k = 0; k < units_.size(); ++k) {
+    const Field& f = fields[k];
+    if (f.whole())
+      MPI_Type_contiguous(static_cast<int>(f.bytes() / sizeof(int)), MPI_INT, &units_[k]);
+    else
+      MPI_Type_contiguous(f.components, MPI_DOUBLE, &units_[k]);
+    MPI_Type_commit(&units_[k]);
+  }
 }
 
 Halo::~Halo() {
   PetscSFDestroy(&sf_);
-  PetscSFDestroy(&velocitySf_);
-  MPI_Type_free(&pose_);
-  MPI_Type_free(&triple_);
+  for (MPI_Datatype& unit : units_) MPI_Type_free(&unit);
 }
 
 void Halo::build(State& state, const CellGrid& grid, double range) {
@@ -88,13 +89,8 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
       auto& list = offers[r.wanter];
       for (int k = cell.begin; k < cell.end; ++k) {
         const int i = cells.order[static_cast<std::size_t>(k)];
-        list.push_back({{state.pose[8 * i], state.pose[8 * i + 1], state.pose[8 * i + 2]},
-                        state.row[i],
-                        state.fibre[i],
-                        state.chain[2 * i],
-                        state.chain[2 * i + 1],
-                        state.bond[i],
-                        i});
+        list.push_back(
+            {{state.pose[8 * i], state.pose[8 * i + 1], state.pose[8 * i + 2]}, state.row[i], i});
       }
     }
   // (d) Keep those in range of an own segment, and bond partners.
@@ -141,39 +137,32 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
   const int ghosts = static_cast<int>(kept.size()), owned = state.owned();
   petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
                         PETSC_COPY_VALUES));
-  petsc(PetscSFSetGraph(velocitySf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
-                        PETSC_COPY_VALUES));
   state.addGhosts(ghosts);
-  for (int k = 0; k < ghosts; ++k) {
-    const Candidate& c = kept[static_cast<std::size_t>(k)];
-    const int i = owned + k;
-    state.row[i] = c.row;
-    state.fibre[i] = c.fibre;
-    state.chain[2 * i] = c.index;
-    state.chain[2 * i + 1] = c.length;
-    state.bond[i] = c.bond;
+  for (Broadcast* half : {PetscSFBcastBegin, PetscSFBcastEnd})
+    for (const Ghosts which : {Ghosts::whenBuilt, Ghosts::everyStep}) broadcast(half, state, which);
+}
+
+void Halo::broadcast(Broadcast* half, State& state, Ghosts which) {
+  if (state.ranks() == 1) return;
+  for (std::size_t k = 0; k < units_.size(); ++k) {
+    char* const values = fields[k].data(state);
+    if (fields[k].ghosts != which || !values) continue;
+    const std::size_t ownBytes = fields[k].bytes() * static_cast<std::size_t>(state.owned());
+    petsc(half(sf_, units_[k], values, values + ownBytes, MPI_REPLACE));
   }
-  refreshBegin(state);
-  refreshEnd(state);
 }
 
 void Halo::refreshBegin(State& state) {
-  if (state.ranks() > 1)
-    petsc(PetscSFBcastBegin(sf_, pose_, state.pose, state.pose + 8 * state.owned(), MPI_REPLACE));
+  broadcast(PetscSFBcastBegin, state, Ghosts::everyStep);
 }
 
 void Halo::refreshEnd(State& state) {
-  if (state.ranks() > 1)
-    petsc(PetscSFBcastEnd(sf_, pose_, state.pose, state.pose + 8 * state.owned(), MPI_REPLACE));
+  broadcast(PetscSFBcastEnd, state, Ghosts::everyStep);
 }
 
 void Halo::refreshVelocities(State& state) {
-  if (state.ranks() == 1) return;
-  for (double* field : {state.velocity, state.angular}) {
-    double* leaves = field + 3 * state.owned();
-    petsc(PetscSFBcastBegin(velocitySf_, triple_, field, leaves, MPI_REPLACE));
-    petsc(PetscSFBcastEnd(velocitySf_, triple_, field, leaves, MPI_REPLACE));
-  }
+  broadcast(PetscSFBcastBegin, state, Ghosts::whenAsked);
+  broadcast(PetscSFBcastEnd, state, Ghosts::whenAsked);
 }
 
 }  // namespace nanoweft

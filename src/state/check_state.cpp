@@ -76,8 +76,10 @@ void checkDatasets(const OpenState& state, bool complete) {
     if (total == 0) total = rows;
     if (total == 0 || rows != total) refuseShape(e);
   }
-  for (const h5::Expected& e : {rows::image, rows::velocity, rows::angularVelocity, rows::group,
-                                rows::bondBroken, rows::gap, rows::viscous, rows::kind})
+  std::vector<h5::Expected> others{rows::image, rows::bondBroken, rows::kind};
+  for (const Field& f : fields)
+    if (readByName(f)) others.push_back(expectedOf(f));
+  for (const h5::Expected& e : others)
     if (const std::int64_t rows = checkDataset(state, e, complete); rows >= 0 && rows != total)
       refuseShape(e);
   if (total > 2147483647) state.refuse("more than 2^31 - 1 segments");

@@ -173,25 +173,21 @@ void settleImages(const Box& own, const Box& box, double* x, std::int32_t* image
   }
 }
 
-/// The rows of one rank as they stand in the file.
+/// The rows of one rank as they stand in the file, but for fields by their names.
 struct RawRows {
-  std::vector<double> position, orientation, velocity, angular, viscous;
-  std::vector<std::int64_t> fibre, index, gap, closed;
-  std::vector<std::int32_t> image, group;
+  std::int64_t first;
+  std::vector<double> position, orientation;
+  std::vector<std::int64_t> fibre, index, closed;
+  std::vector<std::int32_t> image;
   std::vector<std::int8_t> broken;
 
-  RawRows(const OpenState& file, const RowBlock& block) {
+  RawRows(const OpenState& file, const RowBlock& block) : first(block.begin) {
     readRows(file, rows::position, block, position);
     readRows(file, rows::orientation, block, orientation);
     readRows(file, rows::fibre, block, fibre);
     readRows(file, rows::index, block, index);
     readRows(file, rows::image, block, image);
-    readRows(file, rows::velocity, block, velocity);
-    readRows(file, rows::angularVelocity, block, angular);
-    readRows(file, rows::group, block, group);
     readRows(file, rows::bondBroken, block, broken);
-    readRows(file, rows::gap, block, gap);
-    readRows(file, rows::viscous, block, viscous);
     if (h5::find(file.segments(), rows::fibreClosed.name) == h5::Found::nothing) return;
     // Every rank needs all of it.
     readRows(file, rows::fibreClosed,
@@ -200,13 +196,34 @@ struct RawRows {
     const std::string problem = closedProblem(closed, isMask(file.segments()));
     if (!problem.empty()) file.refuse(problem);
   }
+  std::string name(std::size_t k) const {
+    return format("row %lld (fibre %lld, index %lld)",
+                  static_cast<long long>(first + static_cast<std::int64_t>(k)),
+                  static_cast<long long>(fibre[k]), static_cast<long long>(index[k]));
+  }
 };
+
+/// Reads the fields that the file has by their names, as far as the state has them; they are
+/// checked all the same.
+void readFields(const OpenState& file, const RowBlock& block, const RawRows& raw, State& state) {
+  for (const Field& f : fields)
+    if (readByName(f))
+      f.visit(state, [&]<class T>(T* field) {
+        std::vector<T> values;
+        readRows(file, expectedOf(f), block, values);
+        const auto bad = std::ranges::find_if_not(
+            values, [](T x) { return std::isfinite(static_cast<double>(x)); });
+        if (bad != values.end())
+          file.refuse(raw.name(static_cast<std::size_t>((bad - values.begin()) / f.components)) +
+                      ": its " + f.name + " is not a finite number");
+        if (field) std::ranges::copy(values, field);
+      });
+}
 
 /// Looks at the values that a rank has read, and names the row of the first that makes no sense.
 class RowCheck {
  public:
-  RowCheck(const RawRows& raw, const RowBlock& block, const Box& box)
-      : raw_(raw), block_(block), box_(box) {}
+  RowCheck(const RawRows& raw, const Box& box) : raw_(raw), box_(box) {}
 
   /// `previous`: (fibre, index) of the last row before this rank's, index -1 for none.
   std::string problem(std::int64_t fibre, std::int64_t index) const {
@@ -214,42 +231,30 @@ class RowCheck {
       const bool continues = index >= 0 && raw_.fibre[k] == fibre && raw_.index[k] == index + 1;
       const bool starts = raw_.index[k] == 0 && (index < 0 || raw_.fibre[k] > fibre);
       if (!continues && !starts)
-        return name(k) +
+        return raw_.name(k) +
                ": rows must be ordered by fibre, and index must count 0, 1, 2, ... along each";
       fibre = raw_.fibre[k], index = raw_.index[k];
-      if (const std::string text = valuesOf(k); !text.empty()) return name(k) + text;
+      if (const std::string text = valuesOf(k); !text.empty()) return raw_.name(k) + text;
     }
     return "";
   }
 
  private:
-  std::string name(std::size_t k) const {
-    return format("row %lld (fibre %lld, index %lld)",
-                  static_cast<long long>(block_.begin + static_cast<std::int64_t>(k)),
-                  static_cast<long long>(raw_.fibre[k]), static_cast<long long>(raw_.index[k]));
-  }
-  static bool finite(const std::vector<double>& values, std::size_t columns, std::size_t k) {
-    return values.empty() ||
-           std::all_of(values.begin() + static_cast<std::ptrdiff_t>(columns * k),
-                       values.begin() + static_cast<std::ptrdiff_t>(columns * (k + 1)),
-                       [](double x) { return std::isfinite(x); });
-  }
   std::string valuesOf(std::size_t k) const {
     const double* q = &raw_.orientation[4 * k];
     const double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (!(std::abs(norm2 - 1.0) < 2e-3))
       return format(": its orientation is not a unit quaternion (norm %g)", std::sqrt(norm2));
-    if (!finite(raw_.position, 3, k)) return ": its position is not a finite number";
-    if (!finite(raw_.velocity, 3, k)) return ": its velocity is not a finite number";
-    if (!finite(raw_.angular, 3, k)) return ": its angular_velocity is not a finite number";
-    if (!finite(raw_.viscous, 6, k)) return ": its viscous force is not a finite number";
+    const double* x = &raw_.position[3 * k];
+    if (!std::all_of(x, x + 3, [](double at) { return std::isfinite(at); }))
+      return ": its position is not a finite number";
     if (!raw_.broken.empty() && raw_.broken[k] != 0 && raw_.broken[k] != 1)
       return format(": its bond_broken is %d; it must be 0 or 1", raw_.broken[k]);
     for (int d = 0; d < 3; ++d) {
       const std::size_t at = 3 * k + static_cast<std::size_t>(d);
       // Wraps are counted in 32 bits.
       if (box_.periodic[static_cast<std::size_t>(d)] &&
-          std::abs((raw_.position[at] - box_.lower[static_cast<std::size_t>(d)]) / box_.length(d)) +
+          std::abs((x[d] - box_.lower[static_cast<std::size_t>(d)]) / box_.length(d)) +
                   (raw_.image.empty() ? 0.0 : std::abs(static_cast<double>(raw_.image[at]))) >
               1e9)
         return ": it lies more than 1e9 periods from the box";
@@ -258,7 +263,6 @@ class RowCheck {
   }
 
   const RawRows& raw_;
-  const RowBlock& block_;
   const Box& box_;
 };
 
@@ -296,11 +300,10 @@ std::string problemOfClosed(MPI_Comm comm, const RawRows& raw, const Chains& cha
   return "";
 }
 
-void fill(State& state, const Box& own, const RawRows& raw, const Chains& chains,
-          const RowBlock& block) {
+void fill(State& state, const Box& own, const RawRows& raw, const Chains& chains) {
   for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
     const int i = static_cast<int>(k);
-    state.row[k] = block.begin + i;
+    state.row[k] = raw.first + i;
     state.fibre[k] = raw.fibre[k];
     state.chain[2 * k] = static_cast<std::int32_t>(raw.index[k]);
     state.chain[2 * k + 1] = static_cast<std::int32_t>(chains.length[k]);
@@ -310,15 +313,7 @@ void fill(State& state, const Box& own, const RawRows& raw, const Chains& chains
     // Our own states come back with their bits; only foreign ones need normalising.
     const double scale = std::abs(norm - 1.0) < 1e-12 ? 1.0 : 1.0 / norm;
     state.setOrientation(i, {scale * q[0], scale * q[1], scale * q[2], scale * q[3]});
-    auto copy = [k](const auto& from, auto* to, std::size_t columns) {
-      if (!from.empty() && to) std::copy_n(&from[columns * k], columns, to + columns * k);
-    };
-    copy(raw.velocity, state.velocity, 3);
-    copy(raw.angular, state.angular, 3);
-    copy(raw.viscous, state.viscous, 6);
-    copy(raw.image, state.image, 3);
-    copy(raw.group, state.group, 1);
-    copy(raw.gap, state.gap, 4);
+    if (!raw.image.empty()) std::copy_n(&raw.image[3 * k], 3, state.image + 3 * k);
     if (std::ranges::binary_search(raw.closed, raw.fibre[k])) state.bond[k] |= fibreClosed;
     if (!raw.broken.empty() && raw.broken[k]) state.bond[k] |= nextBroken;
     settleImages(own, state.box, state.pose + 8 * k, state.image + 3 * k);
@@ -365,18 +360,19 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
                         file.refuse("it was replaced while it was read");
                       file.openGroups();
                       raw.emplace(file, block);
+                      state.addOwned(static_cast<int>(block.count));
+                      readFields(file, block, *raw, state);
                     }));
   const auto [fibre, index] = lastBefore(state, *raw);
   const std::string what = "state file " + name + " cannot be used: ";
   auto agreeOn = [&](const std::string& problem) {
     agree<InputError>(comm, problem.empty() ? "" : what + problem);
   };
-  agreeOn(RowCheck(*raw, block, state.box).problem(fibre, index));
+  agreeOn(RowCheck(*raw, state.box).problem(fibre, index));
   const Chains chains =
       findChains(comm, state.rank(), state.ranks(), header.rows, block, raw->index);
   agreeOn(problemOfClosed(comm, *raw, chains));
-  state.addOwned(static_cast<int>(block.count));
-  fill(state, header.box, *raw, chains, block);
+  fill(state, header.box, *raw, chains);
   state.countTotal();
   state.step = header.step;
   state.time = header.time;

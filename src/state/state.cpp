@@ -11,27 +11,6 @@ namespace nanoweft {
 
 namespace {
 
-struct Field {
-  const char* name;
-  PetscDataType type;
-  int count;
-};
-
-// DMSwarm_pid is the id that every DMSwarm carries; it holds the row.
-constexpr Field fields[] = {
-    {"pose", PETSC_DOUBLE, 8},
-    {"velocity", PETSC_DOUBLE, 3},
-    {"angular_velocity", PETSC_DOUBLE, 3},
-    {"force", PETSC_DOUBLE, 3},
-    {"torque", PETSC_DOUBLE, 3},
-    {"fibre", PETSC_INT64, 1},
-    {"chain", PETSC_INT, 2},
-    {"bond", PETSC_INT, 1},
-    {"group", PETSC_INT, 1},
-    {"image", PETSC_INT, 3},
-};
-constexpr Field gapField{"gap", PETSC_INT64, 4};
-constexpr Field viscousField{"viscous", PETSC_DOUBLE, 6};
 static_assert(sizeof(PetscInt) == 4, "the int32 fields are registered as PetscInt");
 
 template <class T>
@@ -50,7 +29,8 @@ void restore(DM swarm, const char* name, T*& pointer) {
 
 }  // namespace
 
-State::State(MPI_Comm comm, const Box& b, Extras extras) : box(b), comm_(comm), extras_(extras) {
+State::State(MPI_Comm comm, const Box& b, ExtraFields extras)
+    : box(b), comm_(comm), extras_(extras) {
   MPI_Comm_rank(comm, &rank_);
   MPI_Comm_size(comm, &ranks_);
   petsc(DMCreate(comm, &swarm_));
@@ -59,11 +39,11 @@ State::State(MPI_Comm comm, const Box& b, Extras extras) : box(b), comm_(comm), 
   // Never DMSWARM_PIC: its point location loses points on periodic DMDAs.
   petsc(DMSwarmSetType(swarm_, DMSWARM_BASIC));
   petsc(DMSwarmInitializeFieldRegister(swarm_));
+  constexpr PetscDataType types[] = {PETSC_DOUBLE, PETSC_INT64, PETSC_INT};  // as in Field::member
   for (const Field& f : fields)
-    petsc(DMSwarmRegisterPetscDatatypeField(swarm_, f.name, f.count, f.type));
-  for (const auto& [wanted, f] :
-       {std::pair{extras_.gap, gapField}, std::pair{extras_.viscous, viscousField}})
-    if (wanted) petsc(DMSwarmRegisterPetscDatatypeField(swarm_, f.name, f.count, f.type));
+    if (f.in(extras) && f.name != DMSwarmField_pid)
+      petsc(
+          DMSwarmRegisterPetscDatatypeField(swarm_, f.name, f.components, types[f.member.index()]));
   petsc(DMSwarmFinalizeFieldRegister(swarm_));
   petsc(DMSwarmSetLocalSizes(swarm_, 0, 64));
   acquire();
@@ -79,45 +59,23 @@ State::~State() {
 }
 
 void State::acquire() {
-  get(swarm_, "pose", pose);
-  get(swarm_, "velocity", velocity);
-  get(swarm_, "angular_velocity", angular);
-  get(swarm_, "force", force);
-  get(swarm_, "torque", torque);
-  get(swarm_, DMSwarmField_pid, row);
-  get(swarm_, "fibre", fibre);
-  get(swarm_, "chain", chain);
-  get(swarm_, "bond", bond);
-  get(swarm_, "group", group);
-  get(swarm_, "image", image);
-  if (extras_.gap) get(swarm_, gapField.name, gap);
-  if (extras_.viscous) get(swarm_, viscousField.name, viscous);
+  for (const Field& f : fields)
+    if (f.in(extras_)) f.visit(*this, [&](auto*& values) { get(swarm_, f.name, values); });
   acquired_ = true;
   if (pose == advised_) return;
   advised_ = pose;
   PetscInt count;
   petsc(DMSwarmGetLocalSize(swarm_, &count));
-  const auto triples = 24 * static_cast<std::size_t>(count);
-  preferHugePages(pose, 64 * static_cast<std::size_t>(count));
-  for (double* field : {velocity, angular, force, torque}) preferHugePages(field, triples);
+  for (const Field& f : fields)
+    if (f.in(extras_) && !f.whole())
+      preferHugePages(f.data(*this), f.bytes() * static_cast<std::size_t>(count));
 }
 
 void State::release() {
   if (!acquired_) return;
   acquired_ = false;
-  restore(swarm_, "pose", pose);
-  restore(swarm_, "velocity", velocity);
-  restore(swarm_, "angular_velocity", angular);
-  restore(swarm_, "force", force);
-  restore(swarm_, "torque", torque);
-  restore(swarm_, DMSwarmField_pid, row);
-  restore(swarm_, "fibre", fibre);
-  restore(swarm_, "chain", chain);
-  restore(swarm_, "bond", bond);
-  restore(swarm_, "group", group);
-  restore(swarm_, "image", image);
-  if (extras_.gap) restore(swarm_, gapField.name, gap);
-  if (extras_.viscous) restore(swarm_, viscousField.name, viscous);
+  for (const Field& f : fields)
+    if (f.in(extras_)) f.visit(*this, [&](auto*& values) { restore(swarm_, f.name, values); });
 }
 
 void State::addOwned(int n) {
@@ -125,23 +83,14 @@ void State::addOwned(int n) {
   // The buffer spares a reallocation of every field at each migration.
   petsc(DMSwarmSetLocalSizes(swarm_, owned_ + n, std::max(64, (owned_ + n) / 4)));
   acquire();
-  const auto from = static_cast<std::size_t>(owned_);
-  const auto count = static_cast<std::size_t>(n);
-  std::fill_n(pose + 8 * from, 8 * count, 0.0);
-  std::fill_n(velocity + 3 * from, 3 * count, 0.0);
-  std::fill_n(angular + 3 * from, 3 * count, 0.0);
-  std::fill_n(force + 3 * from, 3 * count, 0.0);
-  std::fill_n(torque + 3 * from, 3 * count, 0.0);
-  std::fill_n(row + from, count, 0);
-  std::fill_n(fibre + from, count, 0);
-  std::fill_n(chain + 2 * from, 2 * count, 0);
-  std::fill_n(bond + from, count, 0);
-  std::fill_n(group + from, count, 0);
-  std::fill_n(image + 3 * from, 3 * count, 0);
-  if (gap) std::fill_n(gap + 4 * from, 4 * count, 0);
-  if (viscous) std::fill_n(viscous + 6 * from, 6 * count, 0.0);
+  const auto begin = static_cast<std::size_t>(owned_), end = static_cast<std::size_t>(owned_ + n);
+  for (const Field& f : fields)
+    f.visit(*this, [&]<class T>(T* values) {
+      const auto components = static_cast<std::size_t>(f.components);
+      for (std::size_t k = components * begin; values && k < components * end; ++k)
+        values[k] = static_cast<T>(f.fresh[k % components]);
+    });
   owned_ += n;
-  for (auto i = from; i < from + count; ++i) pose[8 * i + 4] = 1.0;
 }
 
 void State::addGhosts(int n) {
@@ -215,11 +164,11 @@ std::vector<Stretch> movedStretches(const std::vector<int>& order) {
   return moved;
 }
 
-/// Reorders values of a fixed size.
+/// Reorders values of a fixed size. None: does nothing.
 template <std::size_t bytes>
-void reorder(void* data, const std::vector<int>& order, const std::vector<Stretch>& moved,
+void reorder(char* values, const std::vector<int>& order, const std::vector<Stretch>& moved,
              std::vector<char>& copy) {
-  char* const values = static_cast<char*>(data);
+  if (!values) return;
   for (const Stretch& s : moved) {
     copy.resize((s.last - s.first) * bytes);
     for (std::size_t k = s.first; k < s.last; ++k)
@@ -234,16 +183,10 @@ void reorder(void* data, const std::vector<int>& order, const std::vector<Stretc
 void State::permute(const std::vector<int>& order) {
   const auto moved = movedStretches(order);
   std::vector<char> copy;
-  reorder<64>(pose, order, moved, copy);
-  for (double* field : {velocity, angular, force, torque}) reorder<24>(field, order, moved, copy);
-  reorder<8>(row, order, moved, copy);
-  reorder<8>(fibre, order, moved, copy);
-  reorder<8>(chain, order, moved, copy);
-  reorder<4>(bond, order, moved, copy);
-  reorder<4>(group, order, moved, copy);
-  reorder<12>(image, order, moved, copy);
-  if (gap) reorder<32>(gap, order, moved, copy);
-  if (viscous) reorder<48>(viscous, order, moved, copy);
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    (reorder<fields[k].bytes()>(fields[k].data(*this), order, moved, copy), ...);
+  }
+  (std::make_index_sequence<std::size(fields)>());
 }
 
 }  // namespace nanoweft

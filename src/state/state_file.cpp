@@ -2,6 +2,15 @@
 
 namespace nanoweft {
 
+std::vector<std::string> partsOfState(const ExtraFields& extras) {
+  std::vector<std::string> parts{"step",        "time",  "position", "image",
+                                 "orientation", "fibre", "index",    "bond_broken"};
+  for (const Field& f : fields)
+    if (f.stored == Stored::always || (f.stored == Stored::extra && f.in(extras)))
+      parts.push_back(f.name);
+  return parts;
+}
+
 std::map<std::string, std::string> provenanceTexts(const Provenance& run,
                                                    const std::string& purpose) {
   std::map<std::string, std::string> texts{{programText, run.program},

@@ -169,17 +169,18 @@ void writeSegments(DatasetWriter& writer, hid_t group, const State& state, const
   writer.write(group, "orientation", 4, ordered(orientation.data(), 4));
   writer.write(group, "fibre", 1, fibre);
   writer.write(group, "index", 1, ordered(index.data(), 1));
-  writer.write(group, "velocity", 3, ordered(state.velocity, 3));
-  writer.write(group, "angular_velocity", 3, ordered(state.angular, 3));
-  writer.write(group, "group", 1, ordered(state.group, 1));
+  auto writeFields = [&](Stored which) {
+    for (const Field& f : fields)
+      f.visit(state, [&](const auto* values) {
+        if (f.stored == which && values)
+          writer.write(group, f.name, f.components, ordered(values, f.components));
+      });
+  };
+  writeFields(Stored::always);
   writer.write(group, "bond_broken", 1, broken);
   if (closedFibres > 0) writer.write(group, "fibre_closed", 1, closed);
-  if (forces) {
-    writer.write(group, "force", 3, ordered(state.force, 3));
-    writer.write(group, "torque", 3, ordered(state.torque, 3));
-  }
-  if (state.gap) writer.write(group, "gap", 4, ordered(state.gap, 4));
-  if (state.viscous) writer.write(group, "viscous", 6, ordered(state.viscous, 6));
+  if (forces) writeFields(Stored::withForces);
+  writeFields(Stored::extra);
 }
 
 /// Points and lines for ParaView. `first`: the first row of this rank's.

@@ -21,11 +21,7 @@ Provenance readProvenance(MPI_Comm comm, const Options& options, const StateHead
 /// do instead, for a file that a run cannot go on from. Collective.
 StateHeader openCheckpoint(MPI_Comm comm, const std::string& file, Options& options);
 
-/// What a checkpoint must hold besides what every one does.
-struct CheckpointNeeds {
-  bool gap = false, viscous = false;
-};
-/// Throws InputError that names the part that is missing.
-void requireParts(const StateHeader& checkpoint, const CheckpointNeeds& needs);
+/// Throws InputError that names what is missing of a checkpoint of a state with such fields.
+void requireParts(const StateHeader& checkpoint, const ExtraFields& extras);
 
 }  // namespace nanoweft

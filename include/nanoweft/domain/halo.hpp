@@ -19,19 +19,23 @@ class Halo {
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
 
-  /// Finds the ghosts and appends them to `state` (which must have none) with their poses. Owned
-  /// points must be in the order of their cells. Collective.
+  /// Finds the ghosts and appends them to `state` (which must have none), with their fields as far
+  /// as they carry them (Field::ghosts). Owned points must be in the order of their cells.
+  /// Collective.
   void build(State& state, const CellGrid& grid, double range);
 
-  /// Brings the ghosts' poses up to date; what lies between begin and end overlaps with it.
+  /// Brings up to date what changes every step; what lies between begin and end overlaps with it.
   void refreshBegin(State& state);
   void refreshEnd(State& state);
-  /// Same for velocities: only viscous damping needs them.
+  /// The same for what is asked for: velocities, which only viscous damping needs.
   void refreshVelocities(State& state);
 
  private:
-  PetscSF sf_ = nullptr, velocitySf_ = nullptr;
-  MPI_Datatype pose_, triple_;
+  using Broadcast = decltype(PetscSFBcastBegin);
+  void broadcast(Broadcast* half, State& state, Ghosts which);
+
+  PetscSF sf_ = nullptr;
+  std::array<MPI_Datatype, std::size(fields)> units_;  ///< of each field, the values of a segment
 };
 
 }  // namespace nanoweft

@@ -7,6 +7,7 @@
 #include "nanoweft/base/hdf5_driver.hpp"
 #include "nanoweft/base/hdf5_numbers.hpp"
 #include "nanoweft/base/output_file.hpp"
+#include "nanoweft/state/fields.hpp"
 
 namespace nanoweft {
 
@@ -36,13 +37,19 @@ class OpenState {
   h5::Handle file_, segments_, record_;
 };
 
-// The datasets of /state that a run reads.
+// The datasets of /state that are not fields by their names.
 namespace rows {
 inline constexpr h5::Expected position{"position", 3, false}, orientation{"orientation", 4, false},
     fibre{"fibre", 1, true}, index{"index", 1, true}, image{"image", 3, true},
-    velocity{"velocity", 3, false}, angularVelocity{"angular_velocity", 3, false},
-    group{"group", 1, true}, bondBroken{"bond_broken", 1, true}, gap{"gap", 4, true},
-    viscous{"viscous", 6, false}, fibreClosed{"fibre_closed", 1, true}, kind{"kind", 1, true};
+    bondBroken{"bond_broken", 1, true}, fibreClosed{"fibre_closed", 1, true}, kind{"kind", 1, true};
 }  // namespace rows
+
+/// Of those that are, what a reader looks at.
+inline bool readByName(const Field& f) {
+  return f.stored == Stored::always || f.stored == Stored::extra;
+}
+inline h5::Expected expectedOf(const Field& f) {
+  return {f.name, f.components, f.whole()};
+}
 
 }  // namespace nanoweft

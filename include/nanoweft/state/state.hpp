@@ -1,18 +1,16 @@
 /// The particles: one DMSwarm point per segment, owned points first, ghosts (copies of other ranks'
 /// segments) after them in the same arrays.
 ///
-/// Ghosts carry only what forces need of them: pose, row, chain, and the velocities when viscous
-/// damping asks. They must be dropped before points migrate or are counted (petsc: both see every
-/// local point).
+/// Ghosts carry only what forces need of them: `fields` tells. They must be dropped before points
+/// migrate or are counted (petsc: both see every local point).
 #pragma once
-
-#include <petscdmswarm.h>
 
 #include <cstdint>
 #include <vector>
 
 #include "nanoweft/base/vec.hpp"
 #include "nanoweft/state/box.hpp"
+#include "nanoweft/state/fields.hpp"
 
 namespace nanoweft {
 
@@ -26,15 +24,10 @@ enum BondBits : std::int32_t {
 /// Bits of State::group from here up belong to the solver; lower ones are the user's.
 inline constexpr int firstReservedGroupBit = 16;
 
-class State {
+/// The pointers of its fields change whenever segments come, go, or change places.
+class State : public SegmentFields {
  public:
-  /// Fields that only some scenes need.
-  struct Extras {
-    bool gap = false;      ///< which neighbours along a fibre have parted (breakage)
-    bool viscous = false;  ///< viscous force and torque
-  };
-
-  State(MPI_Comm comm, const Box& box, Extras extras);
+  State(MPI_Comm comm, const Box& box, ExtraFields extras);
   ~State();
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -49,7 +42,7 @@ class State {
   int local() const { return owned_ + ghosts_; }
   std::int64_t total() const { return total_; }
 
-  /// Appends `n` owned points with all fields zero and unit quaternions. There must be no ghosts.
+  /// Appends `n` owned points with the fields of a fresh segment. There must be no ghosts.
   void addOwned(int n);
   void addGhosts(int n);
   void dropGhosts();
@@ -64,25 +57,6 @@ class State {
   /// Reorders the owned points: new point k is old point order[k]. No ghosts.
   void permute(const std::vector<int>& order);
 
-  // Fields; the pointers change with every function above.
-  double* pose = nullptr;         ///< [8]: position, spare, quaternion w x y z
-  double* velocity = nullptr;     ///< [3], space axes
-  double* angular = nullptr;      ///< [3], angular velocity, space axes
-  double* force = nullptr;        ///< [3], all forces but damping and constraints
-  double* torque = nullptr;       ///< [3], about the centre, space axes
-  std::int64_t* row = nullptr;    ///< place in the order of (fibre, index): a unique global id
-  std::int64_t* fibre = nullptr;  ///< the fibre's id
-  std::int32_t* chain = nullptr;  ///< [2]: index along the fibre, number of segments of the fibre
-  std::int32_t* bond = nullptr;   ///< BondBits
-  std::int32_t* group = nullptr;  ///< bit mask
-  std::int32_t* image = nullptr;  ///< [3], periodic wraps: unwrapped = position + image * box
-  /// [4], with breakage only. Bit b of the first two: a bond between this segment and the one b
-  /// places on (back) is broken; of the last two: that pair has been apart since, so it interacts.
-  std::int64_t* gap = nullptr;
-  /// [6], with viscous damping only: viscous force and torque. They depend on the velocities half a
-  /// step back, so a restart cannot recompute them.
-  double* viscous = nullptr;
-
   Vec3d position(int i) const { return {pose[8 * i], pose[8 * i + 1], pose[8 * i + 2]}; }
   Quatd orientation(int i) const {
     return {pose[8 * i + 4], pose[8 * i + 5], pose[8 * i + 6], pose[8 * i + 7]};
@@ -90,6 +64,9 @@ class State {
   void setOrientation(int i, const Quatd& q) {
     pose[8 * i + 4] = q.w, pose[8 * i + 5] = q.x, pose[8 * i + 6] = q.y, pose[8 * i + 7] = q.z;
   }
+  /// Which of the kinds of segments it is.
+  int kind(int i) const { return static_cast<int>(pose[8 * i + 3]); }
+  void setKind(int i, int kind) { pose[8 * i + 3] = kind; }
   /// Row of the segment bonded by construction (broken or not) to the far side of i, or -1.
   std::int64_t successor(int i) const {
     if (chain[2 * i] + 1 < chain[2 * i + 1]) return row[i] + 1;
@@ -110,7 +87,7 @@ class State {
 
   MPI_Comm comm_;
   int rank_, ranks_;
-  Extras extras_;
+  ExtraFields extras_;
   DM swarm_ = nullptr;
   int owned_ = 0, ghosts_ = 0;
   std::int64_t total_ = 0;

@@ -67,7 +67,7 @@ struct StateWriteOptions {
 StateHeader readStateHeader(MPI_Comm comm, const std::string& file, Trust trust = Trust::program);
 
 /// Reads the rows into the empty `state`, a block of rows to each rank, and wraps positions.
-/// Throws InputError, naming the row, for values that make no sense.
+/// Throws InputError, naming the row, for values that make no sense; the state is of no use then.
 void readStateRows(const std::string& file, const StateHeader& header, State& state);
 
 /// Writes the owned points of all ranks; rank 0 alone touches the file. Ghosts are ignored. Throws
@@ -75,6 +75,10 @@ void readStateRows(const std::string& file, const StateHeader& header, State& st
 /// since `refuseForeignTarget` looked. `run.texts` holds the provenance. Collective.
 void writeState(const std::string& file, State& state, const UnitSystem& units,
                 const RunRecord& run, const StateWriteOptions& what = {});
+
+/// Names of what /state holds at least in a run's file of a state with such fields: datasets, and
+/// the attributes step and time.
+std::vector<std::string> partsOfState(const ExtraFields& extras);
 
 /// Why the file as a whole cannot be used as a state, or nothing. Not collective.
 std::string stateFileProblem(const std::string& file, Trust trust = Trust::program);
