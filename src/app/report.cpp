@@ -19,7 +19,7 @@ namespace {
 constexpr double noticedDampingShare = 0.05;
 
 void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
-  const BondParameters& b = f.bond;
+  const EvmBond& b = f.bond;
   const std::string wall = f.wall > 0 ? format("wall %g %s", f.wall, units.length) : "solid";
   // By format(): PetscPrintf would put a point behind whole numbers.
   const std::string fibre = format(

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "nanoweft/base/threads.hpp"
-#include "nanoweft/force/gather.hpp"
+#include "nanoweft/force/bond_geometry.hpp"
 
 namespace nanoweft {
 
@@ -125,7 +125,7 @@ void BondList::dropBroken(std::vector<Entry>& bonds, BondTally& tally) {
 
 void BondList::add(State& state, const Terms& terms, Share share, std::vector<Entry>& bonds,
                    std::size_t begin, std::size_t end, BondTally& tally) {
-  const auto& [parameters, nearest, energies, mayBreak] = terms;
+  const auto& [law, nearest, energies, mayBreak] = terms;
   auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };
   BondScatter scatter(state, share);
   for (std::size_t first = begin; first < end; first += laneCount) {
@@ -144,11 +144,8 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
       i[k] = e.i;
       j[k] = e.j;
     }
-    const Quat<Lanes> qi = gatherOrientations(state.pose, i),
-                      qj = gatherOrientations(state.pose, j);
-    const Vec3<Lanes> separation =
-        nearest(gatherPositions(state.pose, j) - gatherPositions(state.pose, i));
-    const BondForce<Lanes> bond = bondForce(parameters, separation, qi, qj);
+    const BondGeometry<Lanes> geometry = bondGeometry(state, nearest, i, j);
+    const BondForce<Lanes> bond = law.force(geometry);
     Row onI[laneCount], onJ[laneCount];
     auto rows = [](const Vec3<Lanes>& force, const Vec3<Lanes>& torque, Row* row) {
       const Lanes v[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
@@ -159,19 +156,17 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
     rows(bond.force, bond.torqueI, onI);
     rows(-bond.force, bond.torqueJ, onJ);
     BondEnergy<Lanes> energy;
-    if (energies) energy = bondEnergy(parameters, separation, qi, qj);
+    if (energies) energy = law.energy(geometry);
     for (int k = 0; k < used; ++k) {
       const auto lane = static_cast<std::size_t>(k);
       Entry& entry = bonds[first + lane];
       if (breakable_ && mayBreak) {
-        const double strain = (bond.length[lane] - parameters.length) / parameters.length;
+        const double strain = (bond.length[lane] - law.length) / law.length;
         if (strain > entry.critical) {
           tally.someBroke = true;
           if (mine(i[k])) {
-            const auto u =
-                bondEnergy(parameters, nearest(state.position(j[k]) - state.position(i[k])),
-                           state.orientation(i[k]), state.orientation(j[k]));
-            tally.released.add(u.stretch + u.shear + u.bending + u.torsion, tally.energyUnit);
+            const auto u = law.energy(bondGeometry(state, nearest, i[k], j[k]));
+            tally.released.add(u.total(), tally.energyUnit);
             tally.broken.push_back(state.row[i[k]]);
             state.bond[i[k]] |= nextBroken;
           }

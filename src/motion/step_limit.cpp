@@ -119,7 +119,7 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
 }
 
 double chainStepLimit(const Fibre& fibre) {
-  const BondParameters& b = fibre.bond;
+  const EvmBond& b = fibre.bond;
   const double bend = 0.25 * b.shear + b.bending + 0.5 * b.torsion;
   double largest = std::max(4.0 * b.stretch / fibre.mass, 4.0 * b.torsion / fibre.inertia);
   constexpr int steps = 2000;

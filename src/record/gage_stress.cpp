@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "nanoweft/base/exact_sum.hpp"
-#include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/force/bond_geometry.hpp"
 #include "nanoweft/record/interactions.hpp"
 
 namespace nanoweft {
@@ -64,10 +64,8 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
     const int j = bondedNext(state, domain, i);
     if (j < 0) continue;
     if (const double part = gage.part(along(i), along(j)); part > 0) {
-      const Vec3d d = separationOf(state, forces, i, j);
-      const auto bond =
-          bondForce(forces.fibre().bond, d, state.orientation(i), state.orientation(j));
-      sum.add(part, d, bond.force);
+      const auto bond = bondGeometry(state, forces.nearest(), i, j);
+      sum.add(part, bond.separation, forces.fibre().bond.force(bond).force);
     }
   }
   forEachPair(state, forces, thread, [&](const ListPair& p, const Vec3d& d) {

@@ -1,7 +1,7 @@
 #include "nanoweft/record/segment_fields.hpp"
 
 #include "nanoweft/base/exact_sum.hpp"
-#include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/force/bond_geometry.hpp"
 #include "nanoweft/record/interactions.hpp"
 
 namespace nanoweft {
@@ -20,12 +20,11 @@ std::vector<SegmentField> emptyFields(int segments) {
 
 void setBondFields(const State& state, const Domain& domain, const ForceField& forces, int i,
                    std::vector<SegmentField>& fields) {
-  const BondParameters& parameters = forces.fibre().bond;
+  const EvmBond& law = forces.fibre().bond;
   BondEnergy<double> sum;
   auto add = [&](int first, int second) {
     if (first < 0 || second < 0) return;
-    const auto u = bondEnergy(parameters, separationOf(state, forces, first, second),
-                              state.orientation(first), state.orientation(second));
+    const auto u = law.energy(bondGeometry(state, forces.nearest(), first, second));
     sum.stretch += 0.5 * u.stretch;
     sum.shear += 0.5 * u.shear;
     sum.bending += 0.5 * u.bending;
@@ -37,7 +36,7 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
   auto set = [&](Place place, double value) {
     fields[place].values[static_cast<std::size_t>(i)] = static_cast<float>(value);
   };
-  if (next >= 0) set(strain, norm(separationOf(state, forces, i, next)) / parameters.length - 1.0);
+  if (next >= 0) set(strain, norm(separationOf(state, forces, i, next)) / law.length - 1.0);
   set(stretch, sum.stretch);
   set(shear, sum.shear);
   set(bending, sum.bending);

@@ -91,7 +91,7 @@ void agreeOnWorst(WorstBond* worst, std::size_t count, MPI_Comm comm, int ranks)
 
 Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& limits) {
   const State& s = bonds.state();
-  const BondParameters& b = c.fibre.bond;
+  const EvmBond& b = c.fibre.bond;
   const MinimumImage nearest(s.box);
   const SumUnit unit(b.stretch * b.length * b.length);
   Survey survey;
@@ -115,7 +115,7 @@ Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& li
       }
       if (values[k] > limits.warned[k]) ++survey.warned[k];
     }
-    const auto u = bondEnergy(b, d, bond.first, bond.second);
+    const auto u = b.energy(BondGeometry<double>{d, bond.first, bond.second});
     energy[0].add(u.shear, unit);
     energy[1].add(u.stretch + u.bending + u.torsion, unit);
   });

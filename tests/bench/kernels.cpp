@@ -120,7 +120,7 @@ BENCHMARK(peak);
 
 void bond(benchmark::State& state) {
   Scene scene;
-  const BondParameters parameters = cnt1010(nanoUnits()).bond;
+  const EvmBond law = cnt1010(nanoUnits()).bond;
   std::vector<std::int32_t> index(scene.pose.size() / 8);
   std::iota(index.begin(), index.end(), 0);
   const std::size_t groups = index.size() / laneCount - 1;
@@ -128,8 +128,9 @@ void bond(benchmark::State& state) {
     for (std::size_t g = 0; g < groups; ++g) {
       const double* pose = scene.pose.data();
       const std::int32_t *i = &index[g * laneCount], *j = i + 1;
-      auto force = bondForce(parameters, gatherPositions(pose, j) - gatherPositions(pose, i),
-                             gatherOrientations(pose, i), gatherOrientations(pose, j));
+      auto force =
+          law.force(BondGeometry<Lanes>{gatherPositions(pose, j) - gatherPositions(pose, i),
+                                        gatherOrientations(pose, i), gatherOrientations(pose, j)});
       benchmark::DoNotOptimize(force);
     }
   state.counters["s_per_bond"] = benchmark::Counter(

@@ -7,15 +7,10 @@
 namespace nanoweft::test {
 namespace {
 
-const BondParameters referenceBond{13.56, 67.59, 19780.0, -4032.0, 1471.0};
-
-double total(const BondEnergy<double>& e) {
-  return e.stretch + e.shear + e.bending + e.torsion;
-}
+const EvmBond referenceBond{13.56, 67.59, 19780.0, -4032.0, 1471.0};
 
 /// model.md's formula for the whole, which the parts must sum to.
-double evmEnergy(const BondParameters& b, const Vec3d& separation, const Quatd& qi,
-                 const Quatd& qj) {
+double evmEnergy(const EvmBond& b, const Vec3d& separation, const Quatd& qi, const Quatd& qj) {
   const double r = norm(separation);
   const Vec3d d = (1.0 / r) * separation, ni = axis1(qi), nj = -axis1(qj);
   return 0.5 * b.stretch * (r - b.length) * (r - b.length) + 0.5 * b.shear * dot(nj - ni, d) +
@@ -36,14 +31,14 @@ TEST(Bond, ReferenceCases) {
   for (const auto& row : rows) {
     const Vec3d separation = vectorAt(row, 7) - vectorAt(row, 0);
     const Quatd qi = quaternionAt(row, 3), qj = quaternionAt(row, 10);
-    const auto e = bondEnergy(referenceBond, separation, qi, qj);
+    const auto e = referenceBond.energy<double>({separation, qi, qj});
     const double scale = std::max(1.0, std::abs(row[14]));
-    EXPECT_NEAR(total(e), row[14], 1e-12 * scale);
+    EXPECT_NEAR(e.total(), row[14], 1e-12 * scale);
     EXPECT_NEAR(e.stretch, row[15], 1e-12 * scale);
     EXPECT_NEAR(e.shear, row[16], 1e-12 * scale);
     EXPECT_NEAR(e.bending, row[17], 1e-12 * scale);
     EXPECT_NEAR(e.torsion, row[18], 1e-12 * scale);
-    const auto f = bondForce(referenceBond, separation, qi, qj);
+    const auto f = referenceBond.force<double>({separation, qi, qj});
     expectNear(f.force, vectorAt(row, 19), 1e-11 * std::max(1.0, norm(vectorAt(row, 19))));
     expectNear(f.torqueI, vectorAt(row, 22), 1e-11 * std::max(1.0, norm(vectorAt(row, 22))));
     expectNear(f.torqueJ, vectorAt(row, 25), 1e-11 * std::max(1.0, norm(vectorAt(row, 25))));
@@ -53,8 +48,8 @@ TEST(Bond, ReferenceCases) {
 TEST(Bond, RestHasNoEnergyAndNoForce) {
   const Quatd q{1, 0, 0, 0};
   const Vec3d separation{13.56, 0, 0};
-  EXPECT_EQ(total(bondEnergy(referenceBond, separation, q, q)), 0.0);
-  const auto f = bondForce(referenceBond, separation, q, q);
+  EXPECT_EQ(referenceBond.energy<double>({separation, q, q}).total(), 0.0);
+  const auto f = referenceBond.force<double>({separation, q, q});
   EXPECT_EQ(norm(f.force) + norm(f.torqueI) + norm(f.torqueJ), 0.0);
 }
 
@@ -63,8 +58,8 @@ TEST(Bond, PartsSumToTheWholeAndForcesAreItsGradient) {
   for (int k = 0; k < 50; ++k) {
     const Quatd qi = random.orientation(), qj = rotation(random.vector(0.3)) * qi;
     const Vec3d separation = 13.56 * axis1(qi) + random.vector(1.0);
-    const auto f = bondForce(referenceBond, separation, qi, qj);
-    EXPECT_NEAR(total(bondEnergy(referenceBond, separation, qi, qj)),
+    const auto f = referenceBond.force<double>({separation, qi, qj});
+    EXPECT_NEAR(referenceBond.energy<double>({separation, qi, qj}).total(),
                 evmEnergy(referenceBond, separation, qi, qj), 1e-10);
     const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (const Vec3d& e : axes) {
@@ -88,7 +83,7 @@ TEST(Bond, AngularMomentumIsConserved) {
   for (int k = 0; k < 50; ++k) {
     const Quatd qi = random.orientation(), qj = random.orientation();
     const Vec3d separation = random.vector(13.0);
-    const auto f = bondForce(referenceBond, separation, qi, qj);
+    const auto f = referenceBond.force<double>({separation, qi, qj});
     // About i: the torques and the force on j at its place.
     const Vec3d sum = f.torqueI + f.torqueJ + cross(separation, -f.force);
     EXPECT_LT(norm(sum), 1e-11 * (norm(f.torqueI) + norm(f.torqueJ) + 1));
@@ -100,8 +95,8 @@ TEST(Bond, TurnsWithTheSpace) {
   const Quatd turn = random.orientation();
   const Quatd qi = random.orientation(), qj = rotation(random.vector(0.4)) * qi;
   const Vec3d separation = 13.0 * axis1(qi) + random.vector(0.5);
-  const auto f = bondForce(referenceBond, separation, qi, qj);
-  const auto g = bondForce(referenceBond, rotate(turn, separation), turn * qi, turn * qj);
+  const auto f = referenceBond.force<double>({separation, qi, qj});
+  const auto g = referenceBond.force<double>({rotate(turn, separation), turn * qi, turn * qj});
   expectNear(g.force, rotate(turn, f.force), 1e-10 * norm(f.force));
   expectNear(g.torqueI, rotate(turn, f.torqueI), 1e-10 * norm(f.torqueI));
 }
@@ -109,7 +104,7 @@ TEST(Bond, TurnsWithTheSpace) {
 TEST(Bond, TwistCostsTorsionalEnergyAlone) {
   // The paper's printed sign would make this free.
   const Quatd q{1, 0, 0, 0}, twisted = rotation({0.3, 0, 0});
-  const auto e = bondEnergy(referenceBond, Vec3d{13.56, 0, 0}, q, twisted);
+  const auto e = referenceBond.energy<double>({{13.56, 0, 0}, q, twisted});
   EXPECT_NEAR(e.torsion, referenceBond.torsion * (1 - std::cos(0.3)), 1e-10);
   EXPECT_NEAR(e.shear + e.bending + e.stretch, 0.0, 1e-12);
 }
@@ -119,9 +114,9 @@ TEST(Bond, LanesGiveTheBitsOfDoubles) {
   const Quatd qi = random.orientation(), qj = rotation(random.vector(0.3)) * qi;
   const Vec3d separation = 13.56 * axis1(qi) + random.vector(1.0);
   auto wide = [](const Quatd& q) { return Quat<Lanes>{q.w, q.x, q.y, q.z}; };
-  const auto one = bondForce(referenceBond, separation, qi, qj);
-  const auto many = bondForce(referenceBond, Vec3<Lanes>{separation.x, separation.y, separation.z},
-                              wide(qi), wide(qj));
+  const auto one = referenceBond.force<double>({separation, qi, qj});
+  const auto many = referenceBond.force(
+      BondGeometry<Lanes>{{separation.x, separation.y, separation.z}, wide(qi), wide(qj)});
   for (std::size_t k = 0; k < Lanes::size(); ++k) {
     EXPECT_EQ(many.force.x[k], one.force.x);
     EXPECT_EQ(many.torqueI.y[k], one.torqueI.y);

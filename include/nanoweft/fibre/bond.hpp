@@ -15,13 +15,22 @@
 #pragma once
 
 #include "nanoweft/base/vec.hpp"
-#include "nanoweft/fibre/material.hpp"
 
 namespace nanoweft {
 
+/// What a bond sees of its segments i and j.
+template <class V>
+struct BondGeometry {
+  Vec3<V> separation;  ///< x_j - x_i by the minimum image
+  Quat<V> qi, qj;
+};
+
+/// The four parts of a bond's energy, each zero at rest.
 template <class V>
 struct BondEnergy {
   V stretch{}, shear{}, bending{}, torsion{};
+
+  V total() const { return stretch + shear + bending + torsion; }
 };
 
 template <class V>
@@ -31,48 +40,55 @@ struct BondForce {
   V length{};                ///< r
 };
 
-/// Force and torques of a bond; `separation` is x_j - x_i by the minimum image.
-template <class V>
-NW_INLINE BondForce<V> bondForce(const BondParameters& b, const Vec3<V>& separation,
-                                 const Quat<V>& qi, const Quat<V>& qj) {
-  BondForce<V> result;
-  const V r = norm(separation);
-  const V inverse = 1.0 / r;
-  const Vec3<V> d = inverse * separation;
-  const Vec3<V> ni1 = axis1(qi), nj1 = -axis1(qj);
-  const Vec3<V> w = nj1 - ni1;
-  const V stretching = b.stretch * (r - b.length);
-  const V shearing = (0.5 * b.shear) * inverse;
-  const V along = dot(w, d);
-  result.force = stretching * d + shearing * (w - along * d);
-  // B2/2 n x d of both ends, and the couple that bends and twists them against each other.
-  const V half = 0.5 * b.shear;
-  const V bending = b.bending;
-  const V twisting = 0.5 * b.torsion;
-  const Vec3<V> couple = twisting * (cross(axis2(qi), axis2(qj)) + cross(axis3(qi), axis3(qj))) -
-                         bending * cross(ni1, nj1);
-  result.torqueI = half * cross(ni1, d) + couple;
-  result.torqueJ = -(half * cross(nj1, d)) - couple;
-  result.length = r;
-  return result;
-}
+/// The law: its rest length and stiffnesses in internal units, and what they do.
+struct EvmBond {
+  double length = 0;   ///< T: rest length
+  double stretch = 0;  ///< B1 = E S/T                   (eV/A^2)
+  double shear = 0;    ///< B2 = 12 E J/T                (eV)
+  double bending = 0;  ///< B3 = -2 E J/T - G Jp/(2T)    (eV)
+  double torsion = 0;  ///< B4 = G Jp/T                  (eV)
 
-/// The four parts of a bond's energy, each zero at rest.
-template <class V>
-NW_INLINE BondEnergy<V> bondEnergy(const BondParameters& b, const Vec3<V>& separation,
-                                   const Quat<V>& qi, const Quat<V>& qj) {
-  const V r = norm(separation);
-  const V stretch = r - b.length;
-  const Vec3<V> d = (1.0 / r) * separation;
-  const Vec3<V> ei = axis1(qi), ej = axis1(qj);
-  const Vec3<V> slant = (ei - d) + (ej - d);
-  const Vec3<V> d1 = ei - ej, d2 = axis2(qi) - axis2(qj), d3 = axis3(qi) - axis3(qj);
-  BondEnergy<V> energy;
-  energy.stretch = (0.5 * b.stretch) * stretch * stretch;
-  energy.shear = (0.125 * b.shear) * dot(slant, slant);
-  energy.bending = (0.5 * (0.25 * b.shear + b.bending + 0.5 * b.torsion)) * dot(d1, d1);
-  energy.torsion = (0.25 * b.torsion) * (dot(d2, d2) + dot(d3, d3) - dot(d1, d1));
-  return energy;
-}
+  template <class V>
+  NW_INLINE BondForce<V> force(const BondGeometry<V>& bond) const {
+    const auto& [separation, qi, qj] = bond;
+    BondForce<V> result;
+    const V r = norm(separation);
+    const V inverse = 1.0 / r;
+    const Vec3<V> d = inverse * separation;
+    const Vec3<V> ni1 = axis1(qi), nj1 = -axis1(qj);
+    const Vec3<V> w = nj1 - ni1;
+    const V stretching = stretch * (r - length);
+    const V shearing = (0.5 * shear) * inverse;
+    const V along = dot(w, d);
+    result.force = stretching * d + shearing * (w - along * d);
+    // B2/2 n x d of both ends, and the couple that bends and twists them against each other.
+    const V half = 0.5 * shear;
+    const V bend = bending;
+    const V twisting = 0.5 * torsion;
+    const Vec3<V> couple = twisting * (cross(axis2(qi), axis2(qj)) + cross(axis3(qi), axis3(qj))) -
+                           bend * cross(ni1, nj1);
+    result.torqueI = half * cross(ni1, d) + couple;
+    result.torqueJ = -(half * cross(nj1, d)) - couple;
+    result.length = r;
+    return result;
+  }
+
+  template <class V>
+  NW_INLINE BondEnergy<V> energy(const BondGeometry<V>& bond) const {
+    const auto& [separation, qi, qj] = bond;
+    const V r = norm(separation);
+    const V longer = r - length;
+    const Vec3<V> d = (1.0 / r) * separation;
+    const Vec3<V> ei = axis1(qi), ej = axis1(qj);
+    const Vec3<V> slant = (ei - d) + (ej - d);
+    const Vec3<V> d1 = ei - ej, d2 = axis2(qi) - axis2(qj), d3 = axis3(qi) - axis3(qj);
+    BondEnergy<V> parts;
+    parts.stretch = (0.5 * stretch) * longer * longer;
+    parts.shear = (0.125 * shear) * dot(slant, slant);
+    parts.bending = (0.5 * (0.25 * shear + bending + 0.5 * torsion)) * dot(d1, d1);
+    parts.torsion = (0.25 * torsion) * (dot(d2, d2) + dot(d3, d3) - dot(d1, d1));
+    return parts;
+  }
+};
 
 }  // namespace nanoweft

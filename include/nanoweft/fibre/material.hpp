@@ -9,17 +9,9 @@
 
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/bond.hpp"
 
 namespace nanoweft {
-
-/// Stiffnesses of an EVM bond and its rest length, in internal units.
-struct BondParameters {
-  double length = 0;   ///< T: rest length
-  double stretch = 0;  ///< B1 = E S/T                   (eV/A^2)
-  double shear = 0;    ///< B2 = 12 E J/T                (eV)
-  double bending = 0;  ///< B3 = -2 E J/T - G Jp/(2T)    (eV)
-  double torsion = 0;  ///< B4 = G Jp/T                  (eV)
-};
 
 /// What a material's breakage defaults to (breakage_law.hpp says what the numbers mean).
 struct Strength {
@@ -38,7 +30,7 @@ struct Fibre {
   double mass = 0;     ///< of a segment
   double length = 0;   ///< T of a segment
   double inertia = 0;  ///< of a segment, isotropic
-  BondParameters bond;
+  EvmBond bond;
 
   // What other defaults follow from:
   std::string preset;        ///< name of what the options started from

@@ -29,7 +29,7 @@ class BondList {
 
   /// What evaluating bonds takes.
   struct Terms {
-    const BondParameters& parameters;
+    const EvmBond& law;
     const MinimumImage& nearest;
     bool energies, mayBreak;  ///< mayBreak: bonds beyond their critical strain break
   };
