@@ -87,20 +87,17 @@ bool Domain::findPartners(const State& state) {
   else
     local_ = IndexMap();
   for (int i = 0; i < state.local(); ++i) local_.insert(state.row[i], i);
-  for (int i = 0; i < state.owned(); ++i) {
-    const auto next = state.successor(i), previous = state.predecessor(i);
-    if ((next >= 0 && localIndex(state, next, i + 1) < 0) ||
-        (previous >= 0 && localIndex(state, previous, i - 1) < 0))
-      return false;
-  }
+  for (int i = 0; i < state.owned(); ++i)
+    for (const Tie& tie : state.ties(i))
+      if (partner(state, i, tie) < 0) return false;
   return true;
 }
 
 Domain::Census Domain::census(const State& state) const {
   std::int64_t counts[2] = {state.ghosts(), 0};
   for (int i = 0; i < state.owned(); ++i)
-    if (const auto next = state.successor(i); next >= 0)
-      counts[1] += local_.at(next) >= state.owned();
+    for (const Tie& tie : state.ties(i))
+      counts[1] += tie.first && partner(state, i, tie) >= state.owned();
   MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, state.comm());
   return {counts[0], counts[1]};
 }

@@ -96,12 +96,11 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
   // (d) Keep those in range of an own segment, and bond partners.
   std::int64_t lowest = std::numeric_limits<std::int64_t>::max(), highest = -1;
   for (int i = 0; i < state.owned(); ++i)
-    for (const std::int64_t row : {state.successor(i), state.predecessor(i)})
-      if (row >= 0) lowest = std::min(lowest, row), highest = std::max(highest, row);
+    for (const Tie& tie : state.ties(i))
+      lowest = std::min(lowest, tie.row), highest = std::max(highest, tie.row);
   IndexMap partners(static_cast<std::size_t>(state.owned()), lowest, highest);
   for (int i = 0; i < state.owned(); ++i)
-    for (const std::int64_t row : {state.successor(i), state.predecessor(i)})
-      if (row >= 0) partners.insert(row, i);
+    for (const Tie& tie : state.ties(i)) partners.insert(tie.row, i);
   const MinimumImage nearest(state.box);
   std::vector<Candidate> kept;
   std::vector<PetscSFNode> remote;

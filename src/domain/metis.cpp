@@ -31,8 +31,11 @@ struct Occupant {
   std::int32_t count, guest;  ///< guest: they are in a neighbouring cell
 };
 
+std::int64_t pieceOf(std::int64_t row, std::int32_t index, int size) {
+  return row - index % size;
+}
 std::int64_t pieceOf(const State& s, int i, int size) {
-  return s.row[i] - s.chain[2 * i] % size;
+  return pieceOf(s.row[i], s.chain[2 * i], size);
 }
 
 /// Adds up the weights of equal edges.
@@ -190,12 +193,9 @@ std::vector<int> MetisPartitioner::assign(const State& state, const CellGrid& gr
   for (int i = 0; i < state.owned(); ++i) {
     const std::int64_t piece = pieceOf(state, i, piece_);
     own[piece] += work[static_cast<std::size_t>(i)];
-    if (const auto next = state.successor(i); next >= 0) {
-      // Around a closed fibre the successor is its first segment, which begins a piece.
-      const std::int64_t nextPiece =
-          next > state.row[i] ? next - (state.chain[2 * i] + 1) % piece_ : next;
-      if (nextPiece != piece) edges.push_back(tie(piece, nextPiece, bondWeight));
-    }
+    for (const Tie& t : state.ties(i))
+      if (const std::int64_t other = pieceOf(t.row, t.index, piece_); t.first && other != piece)
+        edges.push_back(tie(piece, other, bondWeight));
   }
   std::vector<Vertex> vertices;
   for (const auto& [piece, sum] : own) vertices.push_back({piece, sum});

@@ -31,11 +31,11 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
                                             : outer]
             .push_back({i, j, critical});
       };
-      if (const auto before = state.predecessor(m);
-          before >= 0 && !(state.bond[m] & previousBroken))
-        push(domain.localIndex(state, before, m - 1), m);
-      if (const auto next = state.successor(m); next >= 0 && !(state.bond[m] & nextBroken))
-        push(m, domain.localIndex(state, next, m + 1));
+      for (const Tie& tie : state.ties(m)) {
+        if (tie.broken) continue;
+        const std::int32_t other = domain.partner(state, m, tie);
+        tie.first ? push(m, other) : push(other, m);
+      }
     }
   });
 }

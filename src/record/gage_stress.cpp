@@ -61,11 +61,13 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
     const bool free = !(state.group[i] & (1 << leftGripBit | 1 << rightGripBit));
     if (free && gage.contains(along(i)))
       sum.add(-forces.fibre().mass, {v[0], v[1], v[2]}, {v[0], v[1], v[2]});
-    const int j = bondedNext(state, domain, i);
-    if (j < 0) continue;
-    if (const double part = gage.part(along(i), along(j)); part > 0) {
-      const auto bond = bondGeometry(state, forces.nearest(), i, j);
-      sum.add(part, bond.separation, forces.fibre().bond.force(bond).force);
+    for (const Tie& tie : state.ties(i)) {
+      if (tie.broken || !tie.first) continue;
+      const int j = domain.partner(state, i, tie);
+      if (const double part = gage.part(along(i), along(j)); part > 0) {
+        const auto bond = bondGeometry(state, forces.nearest(), i, j);
+        sum.add(part, bond.separation, forces.fibre().bond.force(bond).force);
+      }
     }
   }
   forEachPair(state, forces, thread, [&](const ListPair& p, const Vec3d& d) {

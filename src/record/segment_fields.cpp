@@ -22,21 +22,21 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
                    std::vector<SegmentField>& fields) {
   const EvmBond& law = forces.fibre().bond;
   BondEnergy<double> sum;
-  auto add = [&](int first, int second) {
-    if (first < 0 || second < 0) return;
-    const auto u = law.energy(bondGeometry(state, forces.nearest(), first, second));
+  auto set = [&](Place place, double value) {
+    fields[place].values[static_cast<std::size_t>(i)] = static_cast<float>(value);
+  };
+  for (const Tie& tie : state.ties(i)) {
+    if (tie.broken) continue;
+    const int other = domain.partner(state, i, tie);
+    const auto bond =
+        bondGeometry(state, forces.nearest(), tie.first ? i : other, tie.first ? other : i);
+    const auto u = law.energy(bond);
     sum.stretch += 0.5 * u.stretch;
     sum.shear += 0.5 * u.shear;
     sum.bending += 0.5 * u.bending;
     sum.torsion += 0.5 * u.torsion;
-  };
-  const int next = bondedNext(state, domain, i);
-  add(bondedPrevious(state, domain, i), i);
-  add(i, next);
-  auto set = [&](Place place, double value) {
-    fields[place].values[static_cast<std::size_t>(i)] = static_cast<float>(value);
-  };
-  if (next >= 0) set(strain, norm(separationOf(state, forces, i, next)) / law.length - 1.0);
+    if (tie.first) set(strain, norm(bond.separation) / law.length - 1.0);
+  }
   set(stretch, sum.stretch);
   set(shear, sum.shear);
   set(bending, sum.bending);

@@ -96,8 +96,8 @@ TEST_P(HaloOf, ABondLongerThanTheRangeStillFindsItsPartner) {
     setSegment(state, i, state.row[i], state.row[i] % 2 ? 40.0 : 0.0);
   rebuild();
   for (int i = 0; i < state.owned(); ++i)
-    for (const std::int64_t row : {state.successor(i), state.predecessor(i)})
-      EXPECT_TRUE(row < 0 || domain.localIndex(row) >= 0) << "row " << state.row[i];
+    for (const Tie& tie : state.ties(i))
+      EXPECT_EQ(state.row[domain.partner(state, i, tie)], tie.row) << "row " << state.row[i];
 }
 
 TEST_P(HaloOf, TheCensusCountsGhostsAndBondsBetweenRanks) {

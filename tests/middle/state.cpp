@@ -94,6 +94,42 @@ TEST(State, GhostsComeAndGoWithoutTouchingOwnSegments) {
   Reference().expectOwned(state);
 }
 
+std::string textOf(const Ties& ties) {
+  std::string text;
+  for (const Tie& t : ties)
+    text += (t.first ? "to " : "from ") + std::to_string(t.row) + (t.broken ? " broken; " : "; ");
+  return text;
+}
+
+TEST(State, TiesRunAlongFibresAndAroundClosedOnes) {
+  State state(PETSC_COMM_WORLD, sceneBox(), {});
+  state.addOwned(allRows);
+  for (int i = 0; i < allRows; ++i) setSegment(state, i, i);
+  state.bond[12] |= previousBroken;
+  EXPECT_EQ(textOf(state.ties(0)), "to 1; ");
+  EXPECT_EQ(textOf(state.ties(7)), "from 6; ");
+  EXPECT_EQ(textOf(state.ties(11)), "from 10; to 12 broken; ");
+  EXPECT_EQ(textOf(state.ties(12)), "from 11 broken; to 13; ");
+  EXPECT_EQ(textOf(state.ties(32)), "from 39; to 33; ");
+  EXPECT_EQ(textOf(state.ties(39)), "from 38; to 32; ");
+  // Every tie is seen from both of its segments.
+  for (int i = 0; i < allRows; ++i)
+    for (const Tie& tie : state.ties(i)) {
+      EXPECT_EQ(state.chain[2 * tie.row], tie.index);
+      int back = 0;
+      for (const Tie& other : state.ties(static_cast<int>(tie.row)))
+        back += other.row == i && other.first != tie.first;
+      EXPECT_EQ(back, 1) << i << " and " << tie.row;
+    }
+}
+
+TEST(State, AFibreOfOneSegmentHasNoTies) {
+  State state(PETSC_COMM_WORLD, sceneBox(), {});
+  state.addOwned(1);
+  state.chain[1] = 1;
+  EXPECT_EQ(textOf(state.ties(0)), "");
+}
+
 TEST(State, AKindIsKept) {
   State state(PETSC_COMM_WORLD, sceneBox(), {});
   state.addOwned(2);

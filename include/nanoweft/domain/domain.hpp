@@ -33,9 +33,11 @@ class Domain {
   const CellGrid& grid() const { return *grid_; }
   /// Local index of a row, owned or ghost, or -1.
   int localIndex(std::int64_t row) const { return local_.at(row); }
-  /// The same, when it is probably `guess`: fibres mostly run on in memory.
-  int localIndex(const State& state, std::int64_t row, int guess) const {
-    return guess >= 0 && guess < state.local() && state.row[guess] == row ? guess : local_.at(row);
+  /// Local index of the other segment of a tie of segment i: fibres mostly run on in memory.
+  int partner(const State& state, int i, const Tie& tie) const {
+    const int guess = tie.first ? i + 1 : i - 1;
+    return guess >= 0 && guess < state.local() && state.row[guess] == tie.row ? guess
+                                                                              : local_.at(tie.row);
   }
   /// Largest work of a rank over the mean.
   double imbalance() const { return imbalance_; }

@@ -1,6 +1,6 @@
-/// Bonds and pairs one by one, for what is evaluated now and then: the forces of a step have their
-/// own, faster ways. Right after an evaluation of the forces only, while lists and ghosts are those
-/// of the moment.
+/// Pairs one by one, for what is evaluated now and then: the forces of a step have their own,
+/// faster ways. Right after an evaluation of the forces only, while lists and ghosts are those of
+/// the moment.
 #pragma once
 
 #include "nanoweft/domain/domain.hpp"
@@ -8,17 +8,6 @@
 #include "nanoweft/state/state.hpp"
 
 namespace nanoweft {
-
-/// Local index of the segment that a whole bond ties to the owned segment i, after it (before it)
-/// along the fibre, or -1.
-inline int bondedNext(const State& state, const Domain& domain, int i) {
-  const auto row = state.bond[i] & nextBroken ? -1 : state.successor(i);
-  return row < 0 ? -1 : domain.localIndex(row);
-}
-inline int bondedPrevious(const State& state, const Domain& domain, int i) {
-  const auto row = state.bond[i] & previousBroken ? -1 : state.predecessor(i);
-  return row < 0 ? -1 : domain.localIndex(row);
-}
 
 /// x_j - x_i by the minimum image.
 inline Vec3d separationOf(const State& state, const ForceField& forces, int i, int j) {

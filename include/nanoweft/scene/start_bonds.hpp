@@ -23,16 +23,16 @@ class StartBonds {
   /// Calls `visit(const StartBond&)` for this rank's bonds that are not broken.
   template <class Visit>
   void forEach(const Visit& visit) const {
-    for (int i = 0; i < state_.owned(); ++i) {
-      const std::int64_t next = state_.successor(i);
-      if (next < 0 || state_.bond[i] & nextBroken) continue;
-      const bool closes = next != state_.row[i] + 1;
-      const int j = closes ? i - state_.chain[2 * i] : i + 1;
-      const double* pose = closes ? (j >= 0 ? state_.pose + 8 * j : start_.data())
-                                  : (j < state_.owned() ? state_.pose + 8 * j : after_.data());
-      visit(StartBond{i, state_.position(i), Vec3d{pose[0], pose[1], pose[2]},
-                      state_.orientation(i), Quatd{pose[4], pose[5], pose[6], pose[7]}, closes});
-    }
+    for (int i = 0; i < state_.owned(); ++i)
+      for (const Tie& tie : state_.ties(i)) {
+        if (tie.broken || !tie.first) continue;
+        const bool closes = tie.index == 0;
+        const int j = closes ? i - state_.chain[2 * i] : i + 1;
+        const double* pose = closes ? (j >= 0 ? state_.pose + 8 * j : start_.data())
+                                    : (j < state_.owned() ? state_.pose + 8 * j : after_.data());
+        visit(StartBond{i, state_.position(i), Vec3d{pose[0], pose[1], pose[2]},
+                        state_.orientation(i), Quatd{pose[4], pose[5], pose[6], pose[7]}, closes});
+      }
   }
   const State& state() const { return state_; }
 

@@ -11,6 +11,7 @@
 #include "nanoweft/base/vec.hpp"
 #include "nanoweft/state/box.hpp"
 #include "nanoweft/state/fields.hpp"
+#include "nanoweft/state/ties.hpp"
 
 namespace nanoweft {
 
@@ -67,14 +68,17 @@ class State : public SegmentFields {
   /// Which of the kinds of segments it is.
   int kind(int i) const { return static_cast<int>(pose[8 * i + 3]); }
   void setKind(int i, int kind) { pose[8 * i + 3] = kind; }
-  /// Row of the segment bonded by construction (broken or not) to the far side of i, or -1.
-  std::int64_t successor(int i) const {
-    if (chain[2 * i] + 1 < chain[2 * i + 1]) return row[i] + 1;
-    return bond[i] & fibreClosed ? row[i] - chain[2 * i] : -1;
-  }
-  std::int64_t predecessor(int i) const {
-    if (chain[2 * i] > 0) return row[i] - 1;
-    return bond[i] & fibreClosed ? row[i] + chain[2 * i + 1] - 1 : -1;
+  /// What a segment (or a ghost) is bonded to: the one before it along the fibre, the one after it.
+  Ties ties(int i) const {
+    const std::int32_t index = chain[2 * i], last = chain[2 * i + 1] - 1;
+    const bool closed = bond[i] & fibreClosed;
+    Ties ties;
+    auto add = [&](std::int32_t other, bool first, int broken) {
+      ties.add({row[i] - index + other, other, first, (bond[i] & broken) != 0});
+    };
+    if (index > 0 || closed) add(index > 0 ? index - 1 : last, false, previousBroken);
+    if (index < last || closed) add(index < last ? index + 1 : 0, true, nextBroken);
+    return ties;
   }
 
   Box box;
