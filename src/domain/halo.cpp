@@ -30,6 +30,115 @@ struct Candidate {
   std::int32_t local;
 };
 
+template <class T>
+using ToRanks = std::map<int, std::vector<T>>;
+template <class T>
+using FromRanks = std::vector<std::pair<int, std::vector<T>>>;
+
+/// What this rank tells the owners of cells: where it has segments, and where it wants to see some.
+ToRanks<CellNotice> noticesToOwners(const CellGrid& grid, const CellIndex& cells) {
+  ToRanks<CellNotice> notices;
+  IndexMap wanted(4 * cells.ranges.size());
+  std::vector<std::int64_t> around;
+  for (const auto& r : cells.ranges) {
+    notices[grid.owner(r.cell)].push_back({r.cell, 1});
+    grid.neighbours(r.cell, around);
+    for (std::int64_t c : around)
+      if (wanted.at(c) < 0) {
+        wanted.insert(c, 0);
+        notices[grid.owner(c)].push_back({c, 0});
+      }
+  }
+  return notices;
+}
+
+/// What this rank, as owner of cells, tells each holder of one: who wants it.
+ToRanks<CellRequest> requestsToHolders(const FromRanks<CellNotice>& notices) {
+  std::unordered_map<std::int64_t, std::pair<std::vector<int>, std::vector<int>>> directory;
+  for (const auto& [rank, items] : notices)
+    for (const CellNotice& n : items)
+      (n.holds ? directory[n.cell].first : directory[n.cell].second).push_back(rank);
+  ToRanks<CellRequest> requests;
+  for (const auto& [cell, ranks] : directory)
+    for (int holder : ranks.first)
+      for (int wanter : ranks.second)
+        if (holder != wanter) requests[holder].push_back({cell, wanter});
+  return requests;
+}
+
+/// The segments that this rank holds in cells that others want.
+ToRanks<Candidate> offersToWanters(const State& state, const CellIndex& cells,
+                                   const FromRanks<CellRequest>& requests) {
+  ToRanks<Candidate> offers;
+  for (const auto& [rank, items] : requests)
+    for (const CellRequest& r : items) {
+      const auto& cell = cells.ranges[static_cast<std::size_t>(cells.rangeOf.at(r.cell))];
+      auto& list = offers[r.wanter];
+      for (int k = cell.begin; k < cell.end; ++k) {
+        const int i = cells.order[static_cast<std::size_t>(k)];
+        list.push_back(
+            {{state.pose[8 * i], state.pose[8 * i + 1], state.pose[8 * i + 2]}, state.row[i], i});
+      }
+    }
+  return offers;
+}
+
+/// Which offered segments this rank needs: those in range of an own one, and bond partners.
+class NearOwn {
+ public:
+  NearOwn(const State& state, const CellGrid& grid, const CellIndex& cells, double range)
+      : state_(state),
+        grid_(grid),
+        cells_(cells),
+        nearest_(state.box),
+        range2_(range * range),
+        partners_(partnersOf(state)) {}
+
+  bool wants(const Candidate& c) const {
+    if (partners_.at(c.row) >= 0) return true;
+    // Candidates come cell by cell.
+    if (const std::int64_t cell = grid_.cellOf(c.x); cell != lastCell_) {
+      grid_.neighbours(cell, around_);
+      lastCell_ = cell;
+    }
+    return std::ranges::any_of(around_, [&](std::int64_t cell) { return inReach(cell, c); });
+  }
+
+ private:
+  static IndexMap partnersOf(const State& state) {
+    std::int64_t lowest = std::numeric_limits<std::int64_t>::max(), highest = -1;
+    for (int i = 0; i < state.owned(); ++i)
+      for (const Tie& tie : state.ties(i))
+        lowest = std::min(lowest, tie.row), highest = std::max(highest, tie.row);
+    IndexMap partners(static_cast<std::size_t>(state.owned()), lowest, highest);
+    for (int i = 0; i < state.owned(); ++i)
+      for (const Tie& tie : state.ties(i)) partners.insert(tie.row, i);
+    return partners;
+  }
+
+  /// Is the candidate in range of an own segment in that cell?
+  bool inReach(std::int64_t cell, const Candidate& c) const {
+    const int place = cells_.rangeOf.at(cell);
+    if (place < 0) return false;
+    const auto& r = cells_.ranges[static_cast<std::size_t>(place)];
+    for (int k = r.begin; k < r.end; ++k) {
+      const int i = cells_.order[static_cast<std::size_t>(k)];
+      const Vec3d d = nearest_(state_.position(i) - Vec3d{c.x[0], c.x[1], c.x[2]});
+      if (dot(d, d) < range2_) return true;
+    }
+    return false;
+  }
+
+  const State& state_;
+  const CellGrid& grid_;
+  const CellIndex& cells_;
+  MinimumImage nearest_;
+  double range2_;
+  IndexMap partners_;
+  mutable std::int64_t lastCell_ = -1;
+  mutable std::vector<std::int64_t> around_;  ///< neighbours of that cell
+};
+
 }  // namespace
 
 Halo::Halo(MPI_Comm comm) {
@@ -53,87 +162,21 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
   const MPI_Comm comm = state.comm();
   if (state.ranks() == 1) return;
   const CellIndex cells(state, grid, state.owned());
-
-  // (a) Tell the owners of cells what is held and wanted.
-  std::map<int, std::vector<CellNotice>> notices;
-  {
-    IndexMap wanted(4 * cells.ranges.size());
-    std::vector<std::int64_t> around;
-    for (const auto& r : cells.ranges) {
-      notices[grid.owner(r.cell)].push_back({r.cell, 1});
-      grid.neighbours(r.cell, around);
-      for (std::int64_t c : around)
-        if (wanted.at(c) < 0) {
-          wanted.insert(c, 0);
-          notices[grid.owner(c)].push_back({c, 0});
-        }
-    }
-  }
-  // (b) As owner: tell each holder of a cell who wants it.
-  std::map<int, std::vector<CellRequest>> requests;
-  {
-    std::unordered_map<std::int64_t, std::pair<std::vector<int>, std::vector<int>>> directory;
-    for (const auto& [rank, items] : deliver(comm, notices))
-      for (const CellNotice& n : items)
-        (n.holds ? directory[n.cell].first : directory[n.cell].second).push_back(rank);
-    for (const auto& [cell, ranks] : directory)
-      for (int holder : ranks.first)
-        for (int wanter : ranks.second)
-          if (holder != wanter) requests[holder].push_back({cell, wanter});
-  }
-  // (c) As holder: send the segments of those cells.
-  std::map<int, std::vector<Candidate>> offers;
-  for (const auto& [rank, items] : deliver(comm, requests))
-    for (const CellRequest& r : items) {
-      const auto& cell = cells.ranges[static_cast<std::size_t>(cells.rangeOf.at(r.cell))];
-      auto& list = offers[r.wanter];
-      for (int k = cell.begin; k < cell.end; ++k) {
-        const int i = cells.order[static_cast<std::size_t>(k)];
-        list.push_back(
-            {{state.pose[8 * i], state.pose[8 * i + 1], state.pose[8 * i + 2]}, state.row[i], i});
-      }
-    }
-  // (d) Keep those in range of an own segment, and bond partners.
-  std::int64_t lowest = std::numeric_limits<std::int64_t>::max(), highest = -1;
-  for (int i = 0; i < state.owned(); ++i)
-    for (const Tie& tie : state.ties(i))
-      lowest = std::min(lowest, tie.row), highest = std::max(highest, tie.row);
-  IndexMap partners(static_cast<std::size_t>(state.owned()), lowest, highest);
-  for (int i = 0; i < state.owned(); ++i)
-    for (const Tie& tie : state.ties(i)) partners.insert(tie.row, i);
-  const MinimumImage nearest(state.box);
-  std::vector<Candidate> kept;
+  const auto notices = deliver(comm, noticesToOwners(grid, cells));
+  const auto requests = deliver(comm, requestsToHolders(notices));
+  const auto offers = deliver(comm, offersToWanters(state, cells, requests));
+  const NearOwn near(state, grid, cells, range);
   std::vector<PetscSFNode> remote;
-  std::vector<std::int64_t> around;
-  for (const auto& [rank, items] : deliver(comm, offers)) {
-    const std::size_t first = kept.size();
-    std::int64_t lastCell = -1;
-    for (const Candidate& c : items) {
-      bool keep = partners.at(c.row) >= 0;
-      if (const std::int64_t cell = grid.cellOf(c.x); !keep && cell != lastCell) {
-        grid.neighbours(cell, around);
-        lastCell = cell;
-      }
-      if (!keep)
-        for (std::size_t a = 0; a < around.size() && !keep; ++a) {
-          const int place = cells.rangeOf.at(around[a]);
-          if (place < 0) continue;
-          const auto& r = cells.ranges[static_cast<std::size_t>(place)];
-          for (int k = r.begin; k < r.end && !keep; ++k) {
-            const int i = cells.order[static_cast<std::size_t>(k)];
-            const Vec3d d = nearest(state.position(i) - Vec3d{c.x[0], c.x[1], c.x[2]});
-            keep = dot(d, d) < range * range;
-          }
-        }
-      if (keep) kept.push_back(c);
-    }
+  for (const auto& [rank, items] : offers) {
+    const std::size_t first = remote.size();
+    for (const Candidate& c : items)
+      if (near.wants(c)) remote.push_back({rank, c.local});
     // One block of leaves per rank, so that MPI receives straight into place.
-    std::sort(kept.begin() + static_cast<std::ptrdiff_t>(first), kept.end(),
-              [](const Candidate& a, const Candidate& b) { return a.local < b.local; });
-    for (std::size_t k = first; k < kept.size(); ++k) remote.push_back({rank, kept[k].local});
+    std::sort(remote.begin() + static_cast<std::ptrdiff_t>(first), remote.end(),
+              [](const PetscSFNode& a, const PetscSFNode& b) { return a.index < b.index; });
   }
-  // (e) The kept ones are the leaves of the star forest.
-  const int ghosts = static_cast<int>(kept.size()), owned = state.owned();
+  // The kept ones are the leaves of the star forest.
+  const int ghosts = static_cast<int>(remote.size()), owned = state.owned();
   petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
                         PETSC_COPY_VALUES));
   state.addGhosts(ghosts);

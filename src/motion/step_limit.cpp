@@ -44,77 +44,114 @@ double globalDot(const std::vector<double>& a, const std::vector<double>& b, con
   return sum.value(unit);
 }
 
-}  // namespace
+/// The mass-weighted stiffness around the present pose, as what it does to a direction: six numbers
+/// a segment, the displacement times the root of the mass and the turn times that of the inertia.
+class Stiffness {
+ public:
+  Stiffness(State& state, ForceField& forces, Halo& halo)
+      : state_(state),
+        forces_(forces),
+        halo_(halo),
+        n_(static_cast<std::size_t>(state.owned())),
+        perRootMass_(1.0 / std::sqrt(forces.fibre().mass)),
+        perRootInertia_(1.0 / std::sqrt(forces.fibre().inertia)),
+        pose_(state.pose, state.pose + 8 * n_) {}
 
-double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
-  const auto n = static_cast<std::size_t>(state.owned());
-  const double perRootMass = 1.0 / std::sqrt(forces.fibre().mass),
-               perRootInertia = 1.0 / std::sqrt(forces.fibre().inertia);
-  const std::vector<double> pose(state.pose, state.pose + 8 * n);
-  ForceRequest request;
-  request.mayBreak = request.viscous = false;
-
-  /// Mass-weighted forces at the pose displaced by `step` along the mass-weighted direction q.
-  auto forcesAt = [&](const std::vector<double>& q, double step, std::vector<double>& out) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const double a = step * perRootMass, b = step * perRootInertia;
-      for (std::size_t c = 0; c < 3; ++c)
-        state.pose[8 * i + c] = pose[8 * i + c] + a * q[6 * i + c];
-      const Quatd old{pose[8 * i + 4], pose[8 * i + 5], pose[8 * i + 6], pose[8 * i + 7]};
-      state.setOrientation(static_cast<int>(i),
-                           rotation({b * q[6 * i + 3], b * q[6 * i + 4], b * q[6 * i + 5]}) * old);
-    }
-    forces.evaluate(state, halo, request);
-    out.resize(6 * n);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t c = 0; c < 3; ++c) {
-        out[6 * i + c] = perRootMass * state.force[3 * i + c];
-        out[6 * i + 3 + c] = perRootInertia * state.torque[3 * i + c];
-      }
-  };
-
-  // Stiffness per mass against a chain's; contacts may be far stiffer.
-  const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.fibre()), 2);
-  const SumUnit ofStart(1e3), ofProduct(chain), ofSquare(chain * chain);
-
-  // A random start has a part of every mode; it depends on the segments' ids alone.
-  std::vector<double> q(6 * n), before(6 * n, 0.0), plus, minus;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t c = 0; c < 6; ++c)
-      q[6 * i + c] = normalDraw(c, Purpose::stepEstimate, state.row[i], 0);
-  double norm = std::sqrt(globalDot(q, q, ofStart, state.comm()));
-  for (double& x : q) x /= norm;
-
-  std::vector<double> diagonal, off;
-  double eigenvalue = 0;
-  int settled = 0;
-  for (int k = 0; k < 120; ++k) {
+  /// The stiffness times q, by the difference of forces on both sides. Collective.
+  const std::vector<double>& times(const std::vector<double>& q) {
     double largest = 0;
     for (std::size_t j = 0; j < q.size(); ++j) {
       const bool turns = j % 6 >= 3;
-      largest = std::max(
-          largest, std::abs(q[j]) * (turns ? perRootInertia : perRootMass / forces.fibre().length));
+      largest = std::max(largest, std::abs(q[j]) * (turns ? perRootInertia_
+                                                          : perRootMass_ / forces_.fibre().length));
     }
-    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, state_.comm());
     const double step = 1e-6 / largest;  // displacements of 1e-6 segments, turns of 1e-6 radians
-    forcesAt(q, step, plus);
-    forcesAt(q, -step, minus);
-    for (std::size_t j = 0; j < q.size(); ++j) plus[j] = (minus[j] - plus[j]) / (2.0 * step);
-    const double a = globalDot(q, plus, ofProduct, state.comm());
+    forcesAt(q, step, plus_);
+    forcesAt(q, -step, minus_);
+    for (std::size_t j = 0; j < q.size(); ++j) plus_[j] = (minus_[j] - plus_[j]) / (2.0 * step);
+    return plus_;
+  }
+
+  /// Brings back pose and forces. Collective.
+  void restore() {
+    std::copy(pose_.begin(), pose_.end(), state_.pose);
+    evaluate();
+  }
+
+ private:
+  void evaluate() {
+    ForceRequest request;
+    request.mayBreak = request.viscous = false;
+    forces_.evaluate(state_, halo_, request);
+  }
+
+  /// Mass-weighted forces at the pose displaced by `step` along q.
+  void forcesAt(const std::vector<double>& q, double step, std::vector<double>& out) {
+    const double a = step * perRootMass_, b = step * perRootInertia_;
+    for (std::size_t i = 0; i < n_; ++i) {
+      for (std::size_t c = 0; c < 3; ++c)
+        state_.pose[8 * i + c] = pose_[8 * i + c] + a * q[6 * i + c];
+      const Quatd old{pose_[8 * i + 4], pose_[8 * i + 5], pose_[8 * i + 6], pose_[8 * i + 7]};
+      state_.setOrientation(static_cast<int>(i),
+                            rotation({b * q[6 * i + 3], b * q[6 * i + 4], b * q[6 * i + 5]}) * old);
+    }
+    evaluate();
+    out.resize(6 * n_);
+    for (std::size_t i = 0; i < n_; ++i)
+      for (std::size_t c = 0; c < 3; ++c) {
+        out[6 * i + c] = perRootMass_ * state_.force[3 * i + c];
+        out[6 * i + 3 + c] = perRootInertia_ * state_.torque[3 * i + c];
+      }
+  }
+
+  State& state_;
+  ForceField& forces_;
+  Halo& halo_;
+  std::size_t n_;
+  double perRootMass_, perRootInertia_;
+  std::vector<double> pose_, plus_, minus_;
+};
+
+/// Of length one over all ranks. A random direction has a part of every mode; it depends on the
+/// segments' ids alone.
+std::vector<double> randomDirection(const State& state) {
+  const auto n = static_cast<std::size_t>(state.owned());
+  std::vector<double> q(6 * n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t c = 0; c < 6; ++c)
+      q[6 * i + c] = normalDraw(c, Purpose::stepEstimate, state.row[i], 0);
+  const double norm = std::sqrt(globalDot(q, q, SumUnit(1e3), state.comm()));
+  for (double& x : q) x /= norm;
+  return q;
+}
+
+}  // namespace
+
+double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
+  Stiffness stiffness(state, forces, halo);
+  // Stiffness per mass against a chain's; contacts may be far stiffer.
+  const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.fibre()), 2);
+  const SumUnit ofProduct(chain), ofSquare(chain * chain);
+  std::vector<double> q = randomDirection(state), before(q.size(), 0.0), diagonal, off;
+  double eigenvalue = 0;
+  int settled = 0;
+  for (int k = 0; k < 120; ++k) {
+    std::vector<double> next = stiffness.times(q);
+    const double a = globalDot(q, next, ofProduct, state.comm());
     const double b = off.empty() ? 0.0 : off.back();
-    for (std::size_t j = 0; j < q.size(); ++j) plus[j] -= a * q[j] + b * before[j];
+    for (std::size_t j = 0; j < q.size(); ++j) next[j] -= a * q[j] + b * before[j];
     diagonal.push_back(a);
     const double previous = eigenvalue;
     eigenvalue = largestEigenvalue(diagonal, off);
     settled = std::abs(eigenvalue - previous) < 1e-4 * std::abs(eigenvalue) ? settled + 1 : 0;
-    norm = std::sqrt(globalDot(plus, plus, ofSquare, state.comm()));
+    const double norm = std::sqrt(globalDot(next, next, ofSquare, state.comm()));
     if (settled >= 4 || !(norm > 1e-9 * std::abs(eigenvalue))) break;
     before = q;
-    for (std::size_t j = 0; j < q.size(); ++j) q[j] = plus[j] / norm;
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] = next[j] / norm;
     off.push_back(norm);
   }
-  std::copy(pose.begin(), pose.end(), state.pose);
-  forces.evaluate(state, halo, request);
+  stiffness.restore();
   return eigenvalue > 0 ? 2.0 / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
 }
 

@@ -78,9 +78,8 @@ class FibreScene final : public Scene {
 
 }  // namespace
 
-std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, bool active,
-                                      bool optionsAllowed) {
-  OptionSection s(options, "Scene: fibre", optionsAllowed, "-scene is not fibre");
+std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, SceneUse use) {
+  OptionSection s(options, "Scene: fibre", use != SceneUse::none, "-scene is not fibre");
   FibreParameters p;
   p.segments =
       static_cast<int>(s.integer("fibre_segments", 100, "number of segments", 1, 100000000));
@@ -96,7 +95,7 @@ std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& cont
   p.closed = s.flag("fibre_closed", false,
                     "join the last segment to the first (a ring with -fibre_bend "
                     "6.283185307179586, or through a periodic boundary)");
-  if (!active) return nullptr;
+  if (use != SceneUse::start) return nullptr;
   if (norm(p.direction) == 0) throw InputError("-fibre_direction: must not be zero");
   if (p.closed && p.segments < 3) throw InputError("-fibre_closed: needs three segments at least");
   // Every rank holds the whole fibre until the shares are made.

@@ -28,16 +28,15 @@ class FileScene final : public Scene {
 
 }  // namespace
 
-std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active,
-                                     bool optionsAllowed) {
+std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, SceneUse use) {
   // What the file holds is part of the results' provenance, its name is not.
   OptionSection s =
-      OptionSection(options, "Scene", optionsAllowed, "-scene is not file").as(Role::run);
+      OptionSection(options, "Scene", use != SceneUse::none, "-scene is not file").as(Role::run);
   const std::string file = s.text("scene_file", "", "state file to start from (-scene file)");
   const bool edited = s.flag(
       "scene_file_edited", false,
       "-scene_file was changed on purpose since nanoweft wrote it: do not compare its SHA-256");
-  if (!active) return nullptr;
+  if (use != SceneUse::start) return nullptr;
   if (file.empty()) throw InputError("-scene file needs -scene_file NAME");
   auto scene =
       std::make_unique<FileScene>(context.comm, file, edited ? Trust::edited : Trust::program);

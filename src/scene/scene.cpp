@@ -8,7 +8,7 @@ namespace {
 
 struct Entry {
   const char* name;
-  std::unique_ptr<Scene> (*make)(Options&, const SceneContext&, bool active, bool optionsAllowed);
+  std::unique_ptr<Scene> (*make)(Options&, const SceneContext&, SceneUse);
 };
 
 // One line registers a scene.
@@ -27,9 +27,10 @@ std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, 
   const std::string chosen = s.choice("scene", "weave", names, "where the fibres come from");
   std::unique_ptr<Scene> result;
   for (const Entry& e : scenes) {
-    const bool active = chosen == e.name;
-    // A restart makes no scene, but its options are those of the first piece.
-    auto scene = e.make(options, context, active && !restarting, active);
+    const SceneUse use = chosen != e.name ? SceneUse::none
+                         : restarting     ? SceneUse::options
+                                          : SceneUse::start;
+    auto scene = e.make(options, context, use);
     if (scene) result = std::move(scene);
   }
   return result;

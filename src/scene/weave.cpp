@@ -206,9 +206,8 @@ class WeaveScene final : public Scene {
 
 }  // namespace
 
-std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, bool active,
-                                      bool optionsAllowed) {
-  OptionSection s(options, "Scene: weave", optionsAllowed, "-scene is not weave");
+std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, SceneUse use) {
+  OptionSection s(options, "Scene: weave", use != SceneUse::none, "-scene is not weave");
   WeaveParameters p;
   if (auto v = s.reals("weave_fibres", 2, "20,20", "", "numbers of fibres along x and along y")) {
     for (double n : *v)
@@ -226,7 +225,7 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
                       "distance between the two fibres at a crossing", positive)
               .value_or(context.restDistance);
   p.periodic = s.flag("weave_periodic", false, "periodic in x and y, every fibre closed on itself");
-  if (!active) return nullptr;
+  if (use != SceneUse::start) return nullptr;
   if (p.periodic && (p.alongX % 2 || p.alongY % 2))
     throw InputError("-weave_fibres: a periodic plain weave needs even numbers");
   const double total = static_cast<double>(p.alongX + p.alongY) * p.segments;

@@ -48,6 +48,13 @@ class Scene {
   virtual std::string file() const { return ""; }
 };
 
+/// What a run wants of one of the scenes.
+enum class SceneUse {
+  none,     ///< another is chosen: its options must not be given
+  options,  ///< a restart: they are those of the run's first piece
+  start,    ///< the run starts from it
+};
+
 /// Reads -scene and the options of the scenes. With a restart, no scene is made.
 std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, bool restarting);
 
@@ -79,12 +86,9 @@ void fillFibres(State& state, std::int64_t fibres, int segments, const Make& mak
   state.countTotal();
 }
 
-// The scenes. Each reads its own options; when not `active` only for -help.
-std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, bool active,
-                                      bool optionsAllowed);
-std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, bool active,
-                                      bool optionsAllowed);
-std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, bool active,
-                                     bool optionsAllowed);
+// The scenes. Each reads its own options, and makes a scene where the run starts from it.
+std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, SceneUse use);
+std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, SceneUse use);
+std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, SceneUse use);
 
 }  // namespace nanoweft
