@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t largestFile = 64 << 20;
 constexpr int deepestNesting = 20;
+constexpr const char* wrongFileHint = "; option files are given with -options_file NAME";
 
 bool same(const std::string& a, const char* b) {
   return strcasecmp(a.c_str(), b) == 0;
@@ -227,7 +228,7 @@ GivenOptions collect(int argc, char** argv) {
     collector.words(splitWords(text, "PETSC_OPTIONS"), "PETSC_OPTIONS", " (options begin with -)");
   if (const char* text = std::getenv("PETSC_OPTIONS_YAML"))
     collector.yaml(text, "PETSC_OPTIONS_YAML");
-  collector.words(arguments, "", "; option files are given with -options_file NAME");
+  collector.words(arguments, "", wrongFileHint);
   return collector.take();
 }
 
@@ -254,9 +255,9 @@ GivenOptions unpack(const std::string& bytes) {
   return options;
 }
 
-}  // namespace
-
-GivenOptions readOptions(MPI_Comm comm, int argc, char** argv) {
+/// What `collect` finds on rank 0, on all ranks.
+template <class Collect>
+GivenOptions fromRankZero(MPI_Comm comm, const Collect& collect) {
   enum Result : int { good, wrong, interrupted };
   int rank;
   MPI_Comm_rank(comm, &rank);
@@ -264,7 +265,7 @@ GivenOptions readOptions(MPI_Comm comm, int argc, char** argv) {
   std::string bytes;
   if (rank == 0) {
     try {
-      bytes = pack(collect(argc, argv));
+      bytes = pack(collect());
     } catch (const InputError& error) {
       message[0] = wrong;
       bytes = error.what();
@@ -283,6 +284,22 @@ GivenOptions readOptions(MPI_Comm comm, int argc, char** argv) {
   if (message[0] == wrong) throw InputError(bytes);
   if (message[0] == interrupted) throw Interrupted(bytes);
   return unpack(bytes);
+}
+
+}  // namespace
+
+GivenOptions readOptions(MPI_Comm comm, int argc, char** argv) {
+  return fromRankZero(comm, [&] { return collect(argc, argv); });
+}
+
+GivenOptions readOptions(MPI_Comm comm, const std::vector<std::string>& words) {
+  return fromRankZero(comm, [&] {
+    Collector collector;
+    std::vector<Word> plain;
+    for (const std::string& word : words) plain.push_back({word, false});
+    collector.words(plain, "", wrongFileHint);
+    return collector.take();
+  });
 }
 
 void insertOptions(const GivenOptions& options) {

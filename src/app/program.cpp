@@ -18,6 +18,7 @@
 #include "nanoweft/app/simulation.hpp"
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/threads.hpp"
 
 namespace nanoweft {
 
@@ -47,20 +48,6 @@ PetscErrorCode keepPetscHelp(MPI_Comm comm, const char* pattern, ...) {
   va_end(arguments);
   petscHelp += text;
   return code;
-}
-
-/// OMP_NUM_THREADS, or a fair share of the cores that this rank may use.
-int threadsPerRank(MPI_Comm comm) {
-  if (std::getenv("OMP_NUM_THREADS")) return omp_get_max_threads();
-  MPI_Comm node;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
-  int ranks;
-  MPI_Comm_size(node, &ranks);
-  MPI_Comm_free(&node);
-  const int usable = omp_get_num_procs(),
-            cores = static_cast<int>(std::thread::hardware_concurrency());
-  // A bound rank has its cores for itself; unbound ones share them all.
-  return usable < cores ? usable : std::max(1, usable / ranks);
 }
 
 int report(int rank, const char* message, int status) {

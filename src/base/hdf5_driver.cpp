@@ -2,6 +2,9 @@
 
 #include <sys/stat.h>
 #include <unistd.h>
+#if __has_include(<H5FDdevelop.h>)  // HDF5 1.14
+#include <H5FDdevelop.h>
+#endif
 
 #include <algorithm>
 #include <cerrno>
@@ -133,6 +136,10 @@ herr_t truncate(H5FD_t* f, hid_t, hbool_t) {
 hid_t driver() {
   static const hid_t registered = [] {
     static H5FD_class_t c{};
+#ifdef H5FD_CLASS_VERSION
+    c.version = H5FD_CLASS_VERSION;
+    c.value = 511;  // of those that HDF5 leaves to unregistered drivers
+#endif
     c.name = "nanoweft";
     c.maxaddr = static_cast<haddr_t>(std::numeric_limits<off_t>::max());
     c.fc_degree = H5F_CLOSE_WEAK;

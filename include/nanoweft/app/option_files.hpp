@@ -28,6 +28,9 @@ struct GivenOptions {
 /// Collective. Throws InputError, which says where in which source, or Interrupted.
 GivenOptions readOptions(MPI_Comm comm, int argc, char** argv);
 
+/// Likewise from `words`, as they would stand on the command line, and from no other source.
+GivenOptions readOptions(MPI_Comm comm, const std::vector<std::string>& words);
+
 /// Puts them into PETSc's database; before PetscInitialize, so that it finds its own.
 void insertOptions(const GivenOptions& options);
 

@@ -1,4 +1,4 @@
-/// Errors. Both kinds are thrown by all ranks together, so that every rank leaves in step.
+/// Errors of PETSc as exceptions, and errors that all ranks throw together.
 #pragma once
 
 #include <petscsys.h>
@@ -7,17 +7,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "nanoweft/base/exceptions.hpp"
+
 namespace nanoweft {
-
-/// The user's input is wrong: one line, exit status 1.
-struct InputError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// The run failed (instability, lost segments, failed output): exit status 2.
-struct RunError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// A PETSc call failed; what() says which and where.
 struct PetscFailure : std::runtime_error {

@@ -2,6 +2,7 @@
 /// (OMP_THREAD_LIMIT, OMP_MAX_ACTIVE_LEVELS), so nothing here depends on the team's size.
 #pragma once
 
+#include <mpi.h>
 #include <omp.h>
 
 #include <cstddef>
@@ -33,5 +34,8 @@ void onShares(std::size_t count, const Work& work) {
 
 /// How many threads the runtime gives to a team of `wanted`.
 int teamGiven(int wanted);
+
+/// OMP_NUM_THREADS, or a fair share of the cores that this rank may use. Collective.
+int threadsPerRank(MPI_Comm comm);
 
 }  // namespace nanoweft
