@@ -1,7 +1,7 @@
 """An installed nanoweft serves other projects and users: python3 test.py BUILD MPIEXEC MAN
 
-Installs BUILD into a folder, builds the CMake project beside this file against it, and compares what it prints with a
-run of the installed program."""
+Installs BUILD into a folder, builds the CMake project beside this file against it, and compares
+what it prints with a run of the installed program."""
 import csv
 import json
 import os
@@ -47,8 +47,8 @@ class Installed(FolderTest):
         printed = self.call(MPIEXEC, "-n", "2", outside) + self.call(outside, "alone")
         results = [line.split()[1:] for line in printed.splitlines() if line.startswith("result")]
         self.assertEqual(len(results), 3)
-        self.call(self.prefix / "bin/nanoweft", *SCENE.split(), "-energy_monitor", "ascii:energy.csv",
-                  "-state_output", "final.h5")
+        self.call(self.prefix / "bin/nanoweft", *SCENE.split(),
+                  "-energy_monitor", "ascii:energy.csv", "-state_output", "final.h5")
         for done, step, segments, _, elastic in results:
             self.assertEqual((done, step, segments, elastic), ("1", "50", "160", results[0][4]))
         with open(self.path("energy.csv")) as file:
@@ -68,7 +68,8 @@ class Installed(FolderTest):
     def test_commands_find_their_parts_where_they_are_installed(self):
         for command in ("run", "report", "plot", "render", "export", "bundles", "breaks"):
             self.assertIn("usage", self.call(self.prefix / f"bin/nanoweft-{command}", "--help"))
-        self.call(self.prefix / "bin/nanoweft-run", "--threads", "1", "own_geometry", "--", "-ts_max_steps", "100")
+        self.call(self.prefix / "bin/nanoweft-run", "--threads", "1", "own_geometry",
+                  "--", "-ts_max_steps", "100")
         for file in ("final.h5", "energy.csv"):
             self.assertTrue(os.path.exists(self.path(f"results/own_geometry/{file}")), file)
         self.assertFalse(list(self.prefix.rglob("results")))
