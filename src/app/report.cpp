@@ -7,6 +7,7 @@
 
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/simd.hpp"
 #include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/motion/residual.hpp"
 #include "nanoweft/motion/step_limit.hpp"
@@ -76,8 +77,8 @@ void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
 
 void printTeam(const RunParts& parts) {
   const int ranks = parts.state->ranks(), threads = parts.team.given;
-  PetscPrintf(parts.plan->comm, "nanoweft %s: %d rank%s x %d thread%s\n", NANOWEFT_VERSION, ranks,
-              ranks > 1 ? "s" : "", threads, threads > 1 ? "s" : "");
+  PetscPrintf(parts.plan->comm, "nanoweft %s: %d rank%s x %d thread%s, %s\n", NANOWEFT_VERSION,
+              ranks, ranks > 1 ? "s" : "", threads, threads > 1 ? "s" : "", simdName);
   if (threads < parts.team.asked)
     PetscPrintf(parts.plan->comm, "  %d threads asked, the runtime gives %d\n", parts.team.asked,
                 threads);

@@ -4,6 +4,7 @@
 
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/simd.hpp"
 
 namespace nanoweft {
 
@@ -56,8 +57,22 @@ void readDamping(Options& options, const UnitSystem& units, bool pairs, RunSetti
                                    nonNegative);
 }
 
+/// The launcher of an installed program has chosen by then: only the choice is checked.
+void readSimd(OptionSection& parallel) {
+  const std::string simd = parallel.choice(
+      "simd", "auto", {"auto", "avx512", "avx2", "sse2"},
+      "instruction set of the program to start, on the command line of an installed nanoweft; by "
+      "default the best that the processor has");
+  if (simd != "auto" && simd != simdName)
+    throw InputError(
+        format("-simd %s: this program is for %s; an installed nanoweft with several instruction "
+               "sets takes -simd on its command line, a build has that of NANOWEFT_ARCH",
+               simd.c_str(), simdName));
+}
+
 void readPartition(Options& options, RunSettings& r) {
   OptionSection parallel = OptionSection(options, "Parallel").as(Role::run);
+  readSimd(parallel);
   const std::string kind = parallel.choice(
       "partition", "auto", {"auto", "dmda", "metis"},
       "how segments are shared among ranks: straight cuts of the cell grid, METIS on "

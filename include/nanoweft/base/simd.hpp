@@ -23,6 +23,20 @@ namespace stdx = std::experimental;
 using Lanes = stdx::native_simd<double>;
 inline constexpr int laneCount = static_cast<int>(Lanes::size());
 
+/// The instruction set that this was compiled for, as a value of -simd.
+inline constexpr const char* simdName =
+#if defined(__AVX512F__)
+    "avx512";
+#elif defined(__AVX2__)
+    "avx2";
+#elif defined(__SSE2__)
+    "sse2";
+#elif defined(__ARM_NEON)
+    "neon";
+#else
+    "none";
+#endif
+
 /// A constant of a formula, in the precision of V.
 template <class V>
 NW_INLINE V number(double x) {
