@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "build" / "bin" / "nanoweft"
+PROGRAM = pathlib.Path(os.environ.get("NANOWEFT_PROGRAM", ROOT / "build" / "bin" / "nanoweft"))
 
 
 @functools.lru_cache(maxsize=1)

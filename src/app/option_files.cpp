@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <new>
+#include <set>
 
 #include "nanoweft/app/signals.hpp"
 #include "nanoweft/app/text_input.hpp"
@@ -305,6 +306,33 @@ GivenOptions readOptions(MPI_Comm comm, const std::vector<std::string>& words) {
 void insertOptions(const GivenOptions& options) {
   for (const GivenOption& o : options.list)
     petsc(PetscOptionsSetValue(nullptr, o.name.c_str(), o.value ? o.value->c_str() : nullptr));
+}
+
+PetscErrorCode initialisePetsc(const std::string& program, const GivenOptions& options) {
+  // PETSc 3.18 looks for these before all others. It copies a value that its database has already
+  // after it has freed it; of arguments it takes them safely.
+  static const std::set<std::string> early{"-help", "-options_monitor", "-options_monitor_cancel",
+                                           "-petsc_ci", "-skip_petscrc"};
+  // PETSc keeps its arguments. Its handlers call what may wait for the interrupted code for ever.
+  static std::vector<std::string> words;
+  words = {program, "-skip_petscrc", "-no_signal_handler"};
+  GivenOptions late;
+  for (const GivenOption& o : options.list) {
+    if (!early.contains(o.name)) {
+      late.list.push_back(o);
+      continue;
+    }
+    words.push_back(o.name);
+    if (o.value) words.push_back(*o.value);
+  }
+  insertOptions(late);
+  static std::vector<char*> pointers;
+  pointers.clear();
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  int count = static_cast<int>(words.size());
+  char** arguments = pointers.data();
+  return PetscInitialize(&count, &arguments, nullptr, nullptr);
 }
 
 }  // namespace nanoweft

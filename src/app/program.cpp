@@ -189,13 +189,8 @@ void startPetsc(const Ranks& ranks, const GivenOptions& given, int argc, char** 
   // They have been read.
   unsetenv("PETSC_OPTIONS");
   unsetenv("PETSC_OPTIONS_YAML");
-  PetscErrorCode code = PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
-  // PETSc's handlers call what may wait for the interrupted code for ever.
-  if (code == 0) code = PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
-  if (code == 0) insertOptions(given);
   PetscHelpPrintf = keepPetscHelp;
-  int count = std::min(argc, 1);
-  if (code == 0) code = PetscInitialize(&count, &argv, nullptr, nullptr);
+  const PetscErrorCode code = initialisePetsc(argc > 0 ? argv[0] : "nanoweft", given);
   ranks.agreeOnCall<InputError>(code, "PETSc cannot start with these options");
 }
 

@@ -41,9 +41,7 @@ class PetscInUse {
     MPI_Initialized(&mpi);
     if (mpi) PETSC_COMM_WORLD = comm;
     // Signals belong to the surrounding program, and files in its folder are none of ours.
-    petsc(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));
-    petsc(PetscOptionsSetValue(nullptr, "-skip_petscrc", "true"));
-    petsc(PetscInitializeNoArguments());
+    petsc(initialisePetsc("nanoweft", {}));
     startedHere = true;
   }
 

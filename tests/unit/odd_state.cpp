@@ -211,7 +211,7 @@ TEST(OddState, DatasetsOfOtherTypesAreConvertedOrRefused) {
     h5::Handle pair(H5Tcreate(H5T_COMPOUND, 16), H5Tclose);
     H5Tinsert(pair, "r", 0, H5T_NATIVE_DOUBLE);
     H5Tinsert(pair, "i", 8, H5T_NATIVE_DOUBLE);
-    numbers<double>(g, "fibre", pair, std::vector<double>(10, 0.0), 2);
+    dataset(g, "fibre", pair, {segments}, std::vector<double>(2 * segments).data());
   });
 }
 

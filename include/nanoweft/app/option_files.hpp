@@ -7,6 +7,7 @@
 #pragma once
 
 #include <mpi.h>
+#include <petscsys.h>
 
 #include <optional>
 #include <string>
@@ -33,5 +34,9 @@ GivenOptions readOptions(MPI_Comm comm, const std::vector<std::string>& words);
 
 /// Puts them into PETSc's database; before PetscInitialize, so that it finds its own.
 void insertOptions(const GivenOptions& options);
+
+/// Starts PETSc with these options and those alone, without its signal handlers. The code is
+/// PETSc's. Throws PetscFailure.
+PetscErrorCode initialisePetsc(const std::string& program, const GivenOptions& options);
 
 }  // namespace nanoweft

@@ -19,7 +19,7 @@ from ..rotations import matrices, rotation_about
 from ..units import AMU, GPA
 
 Array = NDArray[Any]
-RESULTS = runs.ROOT / "results/verification"
+RESULTS = pathlib.Path(os.environ.get("NANOWEFT_RESULTS", runs.ROOT / "results/verification"))
 CURVES: dict[str, Any] = {}  # what the plot shows, by name
 
 
