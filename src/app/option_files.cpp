@@ -323,7 +323,8 @@ PetscErrorCode initialisePetsc(const std::string& program, const GivenOptions& o
       continue;
     }
     words.push_back(o.name);
-    if (o.value) words.push_back(*o.value);
+    // `-help intro` would end the program inside PETSc.
+    if (o.value && *o.value != "intro") words.push_back(*o.value);
   }
   insertOptions(late);
   static std::vector<char*> pointers;
