@@ -15,14 +15,14 @@ class Balance : public Observer {
       : units_(context.units), largest_(context.settings.relaxForce) {}
 
   void restore(const RunRecord& record) override {
-    // A run that was over is over, unless more is asked of it now.
+    // A run that had converged has nothing to do, unless the restart asks for a smaller residual.
     if (record.reals.contains(endName)) balanced_ = record.needReals(endName, 1)[0] <= largest_;
   }
   std::string endReached(const Moment& moment) const override {
     return balanced_ ? format("had converged at step %lld", static_cast<long long>(moment.step()))
                      : "";
   }
-  // At the same steps after a restart, which must not end earlier.
+  // A restart looks only at due steps, as the whole run would, so that it does not end earlier.
   void begin(const Moment& moment) override { observe(moment); }
   View view(const Moment& moment) const override {
     return isDue(moment, interval) ? View::motion : View::positions;

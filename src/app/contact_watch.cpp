@@ -10,7 +10,7 @@ namespace nanoweft {
 namespace {
 
 constexpr long interval = 100;
-/// Walls of tubes meet at 2 rf; this part of a radius is more than they, or a law's points, give.
+/// Overlap in radii beyond which it warns: more than pressed fibres or the quadrature's error give.
 constexpr double deepest = 0.1;
 
 class ContactWatch : public Observer {

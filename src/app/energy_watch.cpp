@@ -9,7 +9,7 @@ namespace nanoweft {
 
 namespace {
 
-/// Steps between looks that nobody else asks for.
+/// It asks for energies every so many steps, and looks at those that others ask for besides.
 constexpr long interval = 100;
 
 class EnergyWatch : public Observer {
@@ -31,7 +31,7 @@ class EnergyWatch : public Observer {
  private:
   const UnitSystem& units_;
   double alarm_;
-  double available_ = 0;  ///< energy that there was to turn into motion, at its most
+  double available_ = 0;  ///< most energy so far that could turn into motion
 };
 
 void EnergyWatch::observe(const Moment& moment) {
@@ -40,9 +40,9 @@ void EnergyWatch::observe(const Moment& moment) {
   if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
   if (alarm_ == 0) return;
   const Fibre& fibre = moment.system.forces.fibre();
-  // What there was to turn into motion: the start's own energy, the work done on the fibres, and
-  // what they gained by coming together; at its most, since Verlet's error stays behind when the
-  // motion that made it is over. The floor keeps round-off of a scene at rest silent.
+  // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
+  // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
+  // motion that made it is over. The last term keeps round-off of a scene at rest from an alarm.
   available_ = std::max(available_, first.elastic() + first.kinetic + first.rotational +
                                         std::abs(e.external - first.external) +
                                         std::abs(e.pair - first.pair) +

@@ -11,7 +11,7 @@ namespace nanoweft {
 void throwUnstable(const Moment& moment, const UnitSystem& units, const std::string& sign) {
   const State& state = moment.state();
   const double dt = moment.stepper.dt(), half = 0.5 * moment.system.forces.fibre().length;
-  // The worst segment of all ranks: not a number counts as infinitely fast.
+  // The fastest segment of all ranks; a NaN counts as infinitely fast.
   struct {
     double distance;
     int rank;

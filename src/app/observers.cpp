@@ -14,7 +14,8 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   auto add = [&](std::unique_ptr<Observer> one) {
     if (one) all.push_back(std::move(one));
   };
-  // First what doubts the numbers that the others write down, then those, then what ends the run.
+  // First the watches, which may refuse the numbers; then the observers that write them down; then
+  // those that end the run.
   add(makeEnergyWatch(c));
   add(makeContactWatch(c));
   add(makeEnergyTable(options, c.units, s.monitorInterval));

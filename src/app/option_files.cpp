@@ -169,7 +169,7 @@ class Collector {
     options_.list.push_back({name, word ? std::optional(word->text) : std::nullopt});
   }
 
-  /// Options about options.
+  /// Follows options that bring further options or change their names; false for any other.
   bool follow(const std::string& name, const std::optional<Word>& word, const std::string& where) {
     const bool file = same(name, "-options_file"), yamlFile = same(name, "-options_file_yaml"),
                yamlText = same(name, "-options_string_yaml"), push = same(name, "-prefix_push");
@@ -309,12 +309,13 @@ void insertOptions(const GivenOptions& options) {
 }
 
 PetscErrorCode initialisePetsc(const std::string& program, const GivenOptions& options) {
-  // PETSc 3.18 looks for these before all others. It copies a value that its database has already
-  // after it has freed it; of arguments it takes them safely.
+  // PETSc 3.18 reads these options before all others. If its database already has their values, it
+  // copies them after freeing them; as arguments they are safe.
   static const std::set<std::string> early{"-help", "-options_monitor", "-options_monitor_cancel",
                                            "-petsc_ci", "-skip_petscrc"};
-  // PETSc keeps its arguments. Its handlers call what may wait for the interrupted code for ever.
+  // Static, since PETSc keeps pointers to its arguments.
   static std::vector<std::string> words;
+  // PETSc's signal handlers call functions that may wait for the interrupted code for ever.
   words = {program, "-skip_petscrc", "-no_signal_handler"};
   GivenOptions late;
   for (const GivenOption& o : options.list) {

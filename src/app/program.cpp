@@ -30,7 +30,7 @@ constexpr const char* introduction =
     "  mpirun -n 4 nanoweft -options_file run.opts\n"
     "OMP_NUM_THREADS sets the threads of each rank. PETSc's own options follow with -help.\n";
 
-/// Seconds after which a rank that failed believes that the others have not.
+/// Seconds that a rank that failed waits for the others to fail, too.
 constexpr double patience = 5.0;
 
 /// What PETSc says about its own options, on rank 0.
@@ -60,7 +60,7 @@ class Ranks {
  public:
   Ranks() {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-    // Nothing else is sent here, so that ranks in different places do not disturb each other.
+    // A communicator of its own, since the other ranks may be communicating on theirs.
     MPI_Comm_dup(MPI_COMM_WORLD, &ends_);
   }
   ~Ranks() { MPI_Comm_free(&ends_); }
@@ -68,8 +68,8 @@ class Ranks {
   Ranks& operator=(const Ranks&) = delete;
   int rank() const { return rank_; }
 
-  /// An error that the ranks have not agreed on. All leave in step when all came here; otherwise
-  /// the others may be waiting for this one, so MPI ends them.
+  /// Ends this rank after an error that the ranks have not agreed on. When all ranks come here, all
+  /// leave in step; otherwise the others may be waiting for this rank, so MPI ends them.
   int fail(const std::string& message, int status) const {
     MPI_Request request;
     MPI_Ibarrier(ends_, &request);
@@ -186,7 +186,7 @@ std::string problemOfHistory(const GivenOptions& given) {
 void startPetsc(const Ranks& ranks, const GivenOptions& given, int argc, char** argv) {
   agree<InputError>(MPI_COMM_WORLD, ranks.rank() == 0 ? problemOfHistory(given) : "");
   keepPetscErrors();
-  // They have been read.
+  // readOptions has read these; PETSc must not read them again.
   unsetenv("PETSC_OPTIONS");
   unsetenv("PETSC_OPTIONS_YAML");
   PetscHelpPrintf = keepPetscHelp;

@@ -16,9 +16,9 @@ class Relaxation : public Observer {
     const auto& elastic = record.needReals("relax_elastic", 2);
     const auto interval = static_cast<double>(interval_);
     restarted_ = true;
-    // Energies are compared that lie an interval apart.
+    // The last energy serves only if the interval is the same: energies an interval apart count.
     if (elastic[1] == interval) last_ = elastic[0];
-    // A run that was over is over, unless more is asked of it now.
+    // A run that had converged has nothing to do, unless the restart asks for more.
     if (!record.reals.contains(endName)) return;
     const auto& end = record.needReals(endName, 2);
     converged_ = end[0] <= tolerance_ && end[1] == interval;
@@ -69,7 +69,7 @@ class Relaxation : public Observer {
 }  // namespace
 
 std::unique_ptr<Observer> makeRelaxation(const ObserverContext& context) {
-  // A checkpoint carries what it saw even of a run that it does not end.
+  // Made without -relax_tolerance, too: it passes the record of an earlier run on to checkpoints.
   return std::make_unique<Relaxation>(context);
 }
 

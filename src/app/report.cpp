@@ -16,7 +16,7 @@ namespace nanoweft {
 
 namespace {
 
-/// Of the work of grips and loads.
+/// Share of damping in the work of grips and loads beyond which the summary has a remark on it.
 constexpr double noticedDampingShare = 0.05;
 
 void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {

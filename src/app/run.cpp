@@ -15,7 +15,7 @@ namespace nanoweft {
 
 namespace {
 
-/// PETSc, and with it MPI, for as long as there is any Run.
+/// Keeps PETSc, and MPI with it, initialised as long as there is any Run.
 class PetscInUse {
  public:
   explicit PetscInUse(MPI_Comm comm) {
@@ -62,7 +62,7 @@ class OptionDatabase {
   PetscOptions options_ = nullptr;
 };
 
-/// While PETSc works for a run: its options, and errors as exceptions.
+/// While it lives, PETSc has the options of one run and keeps its errors for exceptions.
 class PetscScope {
  public:
   explicit PetscScope(const OptionDatabase& database) {

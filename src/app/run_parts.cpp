@@ -58,7 +58,7 @@ void RunParts::fillState() {
     plan->scene->fill(*state);
   }
   requireWideBox(plan->box, 1.5 * plan->fibre.length, units.length);
-  // Before what else such a start would meet, so that the cause that is named is the cause.
+  // Checked first: a bad start would fail later checks, too, and those would name another cause.
   if (!plan->checkpoint) checkStart();
   if (forces->pair()) requireWideBox(plan->box, forces->lists().range(), units.length);
 }
@@ -139,14 +139,15 @@ void RunParts::share() {
     spreadOldBreaks(*state, forces->pair() ? forces->pair()->exclude() : 0);
     forces->rebuild(*state, *domain);  // the bond lists again, without the broken ones
   }
-  // The first shares know nothing of the work; the next ones do, and METIS may have to help.
+  // The first shares know no measured work. They may be made twice more: from it, then by METIS.
   for (int k = 0; k < 2 && domain->unequal(); ++k) forces->rebuild(*state, *domain);
 }
 
 void RunParts::refuseOverlap() const {
   const UnitSystem& units = plan->units;
   const double sensible = forces->pair()->closestSensible();
-  // To evaluate a strong overlap is harmless; only points that all but coincide have no force.
+  // A run that makes no step may have deep overlaps; only points that nearly coincide are refused,
+  // since the direction of their force is lost.
   const double least = evaluatesOnly() ? 0.25 * plan->fibre.radius : sensible;
   const ClosestPair c = findClosestPair(*state, *forces);
   if (c.distance >= least) return;

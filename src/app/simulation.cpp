@@ -35,7 +35,7 @@ Simulation::Simulation(std::unique_ptr<RunParts> parts)
   if (plan.checkpoint) good_.note(plan.restart, system_.state.step);
   OutputContext context = plan.outputContext(plan.checkpoint && verdict() == Verdict::done);
   context.step = system_.state.step;
-  // Nothing is changed before all of it may be.
+  // No file is changed before all observers have claimed theirs.
   for (const auto& observer : observers_) observer->claim(context);
   for (const auto& observer : observers_) observer->open();
 }
@@ -59,7 +59,7 @@ Ending Simulation::runToEnd() {
   begin();
   Clock clock(start);
   while (verdict() == Verdict::goOn) step();
-  // A run that is over has nothing to go on with.
+  // `done` has precedence over `stop`: a run that is over needs no checkpoint to go on from.
   if (verdict() == Verdict::stop) return stopEarly();
   requireEnergies();
   const Moment end = moment();
@@ -72,7 +72,8 @@ Ending Simulation::runToEnd() {
 void Simulation::begin() {
   ForceRequest request;
   request.energies = true;
-  // The viscous forces of a checkpoint belong to velocities that are gone.
+  // A restart keeps the viscous forces of its checkpoint: the velocities that they were computed
+  // from, those half a step back, are not in the file.
   request.viscous = !parts_->plan->checkpoint;
   note(system_.forces.evaluate(system_.state, system_.domain.halo(), request), true);
   first_ = *energies_;
@@ -170,7 +171,7 @@ Ending Simulation::stopEarly() {
   const State& state = system_.state;
   const auto step = static_cast<long long>(state.step);
   std::string file = parts_->plan->settings.checkpointFile, reason;
-  // Without a name given, one that takes no other file's place.
+  // Without -checkpoint_file, a name with the step in it, which replaces no other file.
   if (file.empty()) file = format("checkpoint_%010lld.h5", step);
   if (lastCheckpoint_ != state.step) writeCheckpoint(file);
   for (const auto& observer : observers_)
@@ -206,7 +207,7 @@ void Simulation::sync() {
 void Simulation::writeCheckpoint(const std::string& file) {
   const LogScope log(fileEvent_);
   const double begin = secondsSinceStart();
-  // What a restart expects of the tables is safe before the checkpoint is.
+  // Tables reach the disk before the checkpoint does, since a restart expects their rows.
   sync();
   writeState(file, system_.state, parts_->plan->units, fullRecord(checkpointPurpose));
   const double took = secondsSinceStart() - begin;

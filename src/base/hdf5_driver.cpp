@@ -50,7 +50,7 @@ herr_t closeDriven(H5FD_t* f) {
   return 0;
 }
 
-/// No two are one file: each open one has its own failure.
+/// Two open files never count as the same one, since each keeps a failure of its own.
 int compare(const H5FD_t* a, const H5FD_t* b) {
   return a < b ? -1 : a > b ? 1 : 0;
 }

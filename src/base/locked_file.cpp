@@ -137,7 +137,7 @@ void LockedFile::replace(const std::string& head, std::int64_t begin, std::int64
   next.write(head);
   if (next.problem().empty())
     if (const int reason = copyRange(descriptor_, fd, begin, end)) next.fail(reason);
-  // Nobody else can know it yet, so that this locks.
+  // No other process knows the new file yet, so this call gets the lock.
   if (next.problem().empty()) lockedByAnother(fd);
   const int kept = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
   if (kept < 0) next.fail(errno);
@@ -159,7 +159,7 @@ void LockedFile::append(const std::string& text) {
     throw std::runtime_error("cannot write " + name_ + ": it was removed");
   if (const int reason = writeAll(descriptor_, text.data(), text.size())) {
     if (!device_ && ::ftruncate(descriptor_, size_) != 0) {
-      // What is torn will be seen by who reads it.
+      // A torn row stays at the end; whoever reads the table will notice it.
     }
     fail(reason);
   }

@@ -34,7 +34,8 @@ FileIdentity identityIn(int folder, const std::string& leaf) {
 }
 
 /// Lets one process at a time look at a name and then replace it. The lock is the folder's: readers
-/// lock files. Where a file system has no locks, or someone keeps one, the look alone protects.
+/// lock files. Where the file system has no locks, or another process keeps one, only the look
+/// protects.
 class FolderLock {
  public:
   explicit FolderLock(int folder) : folder_(folder) {

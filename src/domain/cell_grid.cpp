@@ -14,8 +14,8 @@ namespace {
 /// More cells than this per direction would only cost memory in the histograms below.
 constexpr double mostCells = 4096;
 constexpr double mostCellsInAll = 1 << 24;
-/// And more than this for each segment only memory: fibres that have left an open box far behind
-/// would otherwise fill the space between them with cells.
+/// More cells than this for each segment would only cost memory, too: fibres that drift far apart
+/// in an open box would otherwise fill the space between them with cells.
 constexpr double mostCellsPerSegment = 8;
 
 /// Ranks per direction: of all ways to factor their number, the one with the least cut area, and
@@ -42,7 +42,7 @@ std::array<int, 3> arrangeRanks(int ranks, const std::array<double, 3>& length,
   return best;
 }
 
-/// Cuts `histogram` into `parts` runs of about equal sums, none empty of cells.
+/// Cuts `histogram` into `parts` runs of about equal sums, each with at least one cell.
 std::vector<PetscInt> cut(const std::vector<double>& histogram, int parts) {
   const int cells = static_cast<int>(histogram.size());
   double total = 0;
@@ -73,7 +73,8 @@ CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
     length[d] = std::max(upper[d] - lower[d], range);
     cells_[d] = static_cast<int>(std::clamp(std::floor(length[d] / range), 1.0, mostCells));
   }
-  // A vast box has coarser cells: the DMDA numbers them with 32 bits, and its vectors count them.
+  // A vast box gets coarser cells: the DMDA numbers cells with 32 bits, and its vectors have an
+  // entry for each of them.
   const double most = std::min(
       mostCellsInAll, std::max(4096.0, mostCellsPerSegment * static_cast<double>(state.total())));
   while (static_cast<double>(cells_[0]) * cells_[1] * cells_[2] > most) {
@@ -85,7 +86,7 @@ CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
     cells_[d] = std::max(cells_[d], parts_[d]);
     upper_[d] = lower_[d] + length[d];
     inverseEdge_[d] = cells_[d] / length[d];
-    // The tiny slack: an edge that equals the range up to round-off still needs one cell only.
+    // The factor (1 - 1e-12): where an edge equals the range up to round-off, one cell suffices.
     reach_[d] = static_cast<int>(std::ceil(range * inverseEdge_[d] * (1 - 1e-12)));
     std::vector<double> histogram(static_cast<std::size_t>(cells_[d]), 0.0);
     for (int i = 0; i < state.owned(); ++i) {
@@ -164,7 +165,7 @@ CellIndex::CellIndex(const State& state, const CellGrid& grid, int count)
     cell[static_cast<std::size_t>(i)] = grid.cellOf(state.pose + 8 * i);
   const auto [lowest, highest] = std::ranges::minmax(cell);
   const auto span = static_cast<std::size_t>(highest - lowest) + 1;
-  // The cells of a rank mostly lie close together: then they are counted, not compared.
+  // A rank's cells mostly lie close together; a counting sort is faster then.
   if (span <= 8 * order.size()) {
     std::vector<int> place(span + 1, 0);
     for (const std::int64_t c : cell) ++place[static_cast<std::size_t>(c - lowest) + 1];

@@ -18,7 +18,7 @@ Domain::Domain(State& state, const PartitionSettings& settings)
 }
 
 bool Domain::turnToMetis(const State& state) {
-  // Cuts by known work that came out unequal are as good as straight cuts get.
+  // METIS takes over only when straight cuts made from measured work are unequal.
   if (settings_.kind != PartitionSettings::automatic || metis_ || !fresh_) return false;
   // With few pieces for each rank METIS cuts badly; that pays only against very unequal shares.
   const std::int64_t piecesPerRank = imbalance_ > 1.3 ? 10 : 50;
@@ -32,7 +32,8 @@ void Domain::rebuild(State& state, double range, double cell, const std::vector<
       known ? *known : std::vector<double>(static_cast<std::size_t>(state.owned()), 1.0);
   bool anew = false;
   if (state.ranks() > 1 && unequal())
-    // What the last shares could not reach is not worth trying again until it gets worse.
+    // Shares made from measured work are made anew only when the imbalance has grown since; until
+    // then new cuts would be as unequal.
     anew = turnToMetis(state) || !fresh_ || imbalance_ > reached_ + 0.02;
   if (anew) fresh_ = known != nullptr, reached_ = 0;
   for (double reach = cell;; reach *= 1.5) {
@@ -42,7 +43,7 @@ void Domain::rebuild(State& state, double range, double cell, const std::vector<
     anew = false;
     state.permute(CellIndex(state, *grid_, state.owned()).order);
     halo_.build(state, *grid_, range);
-    // A bond may be longer than the pair range; then look further.
+    // A bond may be longer than the pair range; then the halo is built again on larger cells.
     int missing = !findPartners(state);
     MPI_Allreduce(MPI_IN_PLACE, &missing, 1, MPI_INT, MPI_MAX, state.comm());
     if (!missing) break;
@@ -61,7 +62,7 @@ void Domain::noteWork(const State& state, double ownWork) {
 }
 
 void Domain::layGrid(const State& state, double range, const std::vector<double>& work, bool anew) {
-  // lower corner, negated upper corner: one reduction.
+  // Lower corner and negated upper corner, so that one reduction (minimum) serves for both.
   std::array<double, 6> extent;
   extent.fill(std::numeric_limits<double>::infinity());
   for (int i = 0; i < state.owned(); ++i)

@@ -96,7 +96,7 @@ class NearOwn {
 
   bool wants(const Candidate& c) const {
     if (partners_.at(c.row) >= 0) return true;
-    // Candidates come cell by cell.
+    // Candidates come cell by cell, so the neighbours are found once for many of them.
     if (const std::int64_t cell = grid_.cellOf(c.x); cell != lastCell_) {
       grid_.neighbours(cell, around_);
       lastCell_ = cell;
@@ -175,7 +175,7 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
     std::sort(remote.begin() + static_cast<std::ptrdiff_t>(first), remote.end(),
               [](const PetscSFNode& a, const PetscSFNode& b) { return a.index < b.index; });
   }
-  // The kept ones are the leaves of the star forest.
+  // The candidates that were kept, the ghosts, are the leaves of the star forest.
   const int ghosts = static_cast<int>(remote.size()), owned = state.owned();
   petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
                         PETSC_COPY_VALUES));

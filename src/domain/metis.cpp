@@ -1,4 +1,4 @@
-/// METIS on chain pieces. A piece goes by the row of its first segment.
+/// The partition by METIS of chain pieces. A piece is named by the row of its first segment.
 #include <metis.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct Vertex {
   double work;
 };
 
-/// A tie between two pieces, lower first.
+/// A weighted edge of the graph between two pieces, a < b.
 struct Edge {
   std::int64_t a, b;
   double weight;
@@ -56,9 +56,9 @@ Edge tie(std::int64_t a, std::int64_t b, double weight) {
   return {std::min(a, b), std::max(a, b), weight};
 }
 
-/// Segments whose pieces are close: each rank tells the owners of cells which pieces it has in them
-/// and next to them, and the owners tie pieces that meet, by the number of segments that would see
-/// each other.
+/// Edges between pieces that are close. Each rank tells the owners of cells which pieces it has in
+/// them and next to them. An owner joins the pieces that meet in its cells; the weight of an edge
+/// is about the number of their segments that are within range of each other.
 std::vector<Edge> closeness(const State& state, const CellGrid& grid, int size) {
   std::map<std::pair<std::int64_t, std::int64_t>, std::int32_t> counts;  // by cell and piece
   for (int i = 0; i < state.owned(); ++i)
@@ -84,7 +84,7 @@ std::vector<Edge> closeness(const State& state, const CellGrid& grid, int size) 
     for (std::size_t a = begin; a < end && !occupants[a].guest; ++a)
       for (std::size_t b = a + 1; b < end; ++b)
         if (occupants[a].piece != occupants[b].piece)
-          // A pair of neighbouring cells is seen from both.
+          // Half the weight: two neighbouring cells both see the pair.
           edges.push_back(tie(
               occupants[a].piece, occupants[b].piece,
               (occupants[b].guest ? 0.5 : 1.0) * std::min(occupants[a].count, occupants[b].count)));
@@ -131,13 +131,13 @@ class Graph {
       put(ends[k].first, ends[k].second);
       put(ends[k].second, ends[k].first);
     }
-    // METIS sums the weights in 32 bits.
+    // METIS sums the weights in 32 bits, so they are scaled to a sum of 1e9.
     for (double w : work_)
       vertexWeights_.push_back(
           static_cast<idx_t>(std::lround(std::max(1.0, 1e9 * w / std::max(all, 1e-300)))));
   }
 
-  /// The part of each piece; nothing when METIS fails.
+  /// The rank of each piece; empty when METIS fails.
   std::vector<idx_t> divide(int parts) {
     std::vector<idx_t> part(pieces.size());
     std::iota(part.begin(), part.end(), 0);
@@ -188,7 +188,7 @@ std::vector<int> MetisPartitioner::assign(const State& state, const CellGrid& gr
 
   std::unordered_map<std::int64_t, double> own;
   std::vector<Edge> edges = closeness(state, grid, piece_);
-  // A cut bond costs a ghost on each side and the pairs near it twice: more than mere closeness.
+  // More than closeness: a cut bond costs a ghost on each side, and pairs near it are done twice.
   constexpr double bondWeight = 8.0;
   for (int i = 0; i < state.owned(); ++i) {
     const std::int64_t piece = pieceOf(state, i, piece_);

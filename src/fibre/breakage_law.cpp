@@ -15,9 +15,9 @@ using std::numbers::sqrt2;
 /// No segment's index: the counter of a fibre's own draw.
 constexpr std::uint32_t ofFibre = 0xffffffffu;
 
-/// For exp(logTail) <= 1/2. Newton's iteration for the logarithm of the tail, which is concave:
-/// from the start, which is not below the root since the tail is at most exp(-x^2/2)/2, it falls to
-/// it.
+/// For exp(logTail) <= 1/2, by Newton's iteration on the logarithm of the tail, which is concave.
+/// The start is not below the root, since the tail is at most exp(-x^2/2)/2; so the iteration falls
+/// to the root.
 double upperQuantile(double logTail) {
   const double inverseRoot2Pi = std::sqrt(0.5 * std::numbers::inv_pi);
   double x = std::sqrt(std::max(0.0, -2.0 * (logTail + std::numbers::ln2)));

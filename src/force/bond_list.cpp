@@ -19,7 +19,7 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
     bonds.next = 0;
     auto mine = [&](std::int32_t i) { return i >= shares[t].begin && i < shares[t].end; };
     for (std::int32_t m = shares[t].begin; m < shares[t].end; ++m) {
-      // Own bonds when their higher segment comes.
+      // The loop meets a bond of two own segments twice; it is listed at the higher index.
       auto push = [&](std::int32_t i, std::int32_t j) {
         const std::int32_t other = i == m ? j : i;
         if (mine(other) && other > m) return;
@@ -42,9 +42,9 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
 
 namespace {
 
-/// Adds bonds' forces and torques to a thread's segments. The second segment of a bond is mostly
-/// the first of the next: its sum is complete then and is written once. A segment has two bonds at
-/// most, and a + b = b + a: the order of the bonds does not matter.
+/// Adds the forces and torques of bonds to a thread's segments. The second segment of a bond is
+/// mostly the first of the next bond: then its two contributions are summed in a register and
+/// written once. A segment has two bonds at most and a + b = b + a, so their order does not matter.
 class BondScatter {
  public:
   BondScatter(State& state, Share share) : s_(state), share_(share) {}
@@ -53,7 +53,7 @@ class BondScatter {
   /// Rows: force, torque, two unused.
   NW_INLINE void add(std::int32_t i, std::int32_t j, const Reals& onI, const Reals& onJ) {
     if (i == last_) {
-      // Zero is added so that no sum is -0 here and 0 where it is added up in memory.
+      // In memory a sum starts from 0, which turns a -0 into 0; the added zero does so here.
       if (mine(i)) put(i, (kept_ + onI) + 0.0);
     } else {
       flush();
@@ -68,7 +68,7 @@ class BondScatter {
   void flush() {
     if (last_ >= 0 && mine(last_)) addTo(last_, kept_);
   }
-  // In couples from the registers: through memory, parts of a row would wait for the whole.
+  // Rows are split in registers: through memory, loads of the parts would wait for the whole store.
   typedef double Couple __attribute__((vector_size(16)));
   template <int k>
   NW_INLINE static Couple couple(const Reals& row) {
@@ -131,7 +131,7 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
   for (std::size_t first = begin; first < end; first += laneCount) {
     const int used = static_cast<int>(std::min<std::size_t>(laneCount, end - first));
     std::int32_t i[laneCount], j[laneCount];
-    // Segments lie cell by cell: what comes is fetched in time.
+    // Prefetch: segments are stored cell by cell, so those of the next bonds may lie anywhere.
     if (constexpr std::size_t ahead = 32; first + ahead + laneCount <= bonds.size())
       for (std::size_t k = 0; k < laneCount; ++k) {
         const auto next = static_cast<std::size_t>(bonds[first + ahead + k].j);

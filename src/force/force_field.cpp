@@ -15,7 +15,7 @@ namespace nanoweft {
 struct ForceField::Tallies {
   ForceRequest request;
   bool viscous;   ///< viscous forces are wanted
-  double margin;  ///< of the pairs to be drawn; 0: they have been
+  double margin;  ///< of the pairs to be drawn; 0: those drawn before still hold
   std::vector<BondTally> bonds;
   std::vector<PairTally> pairs;
 
@@ -47,7 +47,8 @@ ForceField::ForceField(Settings settings, const Box& box)
 
 void ForceField::rebuild(State& state, Domain& domain) {
   const LogScope log(rebuildEvent_);
-  // All sums are zero now but the spare ones, whose places may become a segment's.
+  // handOver has zeroed the records of segments. The threads' spare records at the end are zeroed
+  // here, since they become those of segments when this rank gets more.
   if (!sums_.empty()) std::fill(sums_.end() - std::ssize(shares()), sums_.end(), ForceSum{});
   lists_.rebuild(state, domain);
   if (settings_.pair) {
@@ -107,7 +108,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   const auto threads = shares().size();
   const bool pairs = settings_.pair != nullptr;
   if (owed_) throw std::logic_error("pair forces have not been handed over");
-  // Bonds that broke then are broken, even if the forces have to be computed again.
+  // followed_: bonds that broke during a ForcePass count, even if their forces are computed again.
   Tallies tallies{request, pairs && viscous() && request.viscous, lists_.takeDrawing(),
                   std::exchange(followed_, {}), std::vector<PairTally>(threads)};
   tallies.bonds.resize(threads);
@@ -160,7 +161,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     owed_ = !request.complete;
     notePairs(tallies);
   }
-  // Of an evaluation that draws, about a fifth goes into it.
+  // An evaluation that draws spends about a fifth of its time on drawing.
   lists_.noteEvaluation(tallies.margin > 0 ? 0.2 * (MPI_Wtime() - begin - waited) : 0.0);
   return tallies.sum();
 }
@@ -171,7 +172,7 @@ void ForceField::notePairs(const Tallies& tallies) {
     resolved_ += t.resolved;
     pointPairs += t.pointPairs;
   }
-  PetscLogFlops(60.0 * static_cast<double>(pointPairs));  // about; gathers and scatter aside
+  PetscLogFlops(60.0 * static_cast<double>(pointPairs));  // an estimate, without loads and stores
 }
 
 void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
@@ -182,7 +183,7 @@ void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
       state.force[3 * i + c] += forceUnit * static_cast<double>(sum.at[c]);
       state.torque[3 * i + c] += torqueUnit * static_cast<double>(sum.at[3 + c]);
     }
-    // Ready for the next ones, while the record is in the cache.
+    // The next evaluation needs a zero record, and this one is in the cache now.
     sum = {};
   }
 }

@@ -23,7 +23,7 @@ void LanePairs::add(std::int32_t first, std::span<const std::int32_t> partners) 
 }
 
 void LanePairs::arrange() {
-  // By falling number of partners, counted rather than compared.
+  // Counting sort by falling number of partners.
   std::size_t most = 0;
   for (const Run& r : runs_) most = std::max(most, r.count);
   std::vector<std::size_t> place(most + 1, 0);
@@ -43,8 +43,8 @@ void LanePairs::arrange() {
       group.count[lane] = static_cast<std::int32_t>(count);
       const std::int32_t* from = &taken_[run.begin];
       std::int32_t* to = &partners_[begin + lane];
-      // Neighbours share partners, whose sums must not wait for each other: each lane begins
-      // elsewhere.
+      // Neighbouring lanes have partners in common. Lanes that add to the same partner in one row
+      // would wait for each other, so each lane begins at another of its partners.
       const std::size_t turn = lane * count / laneCount;
       for (std::size_t n = 0; n < depth; ++n, to += laneCount)
         *to = n >= count ? from[0] : from[n + turn < count ? n + turn : n + turn - count];

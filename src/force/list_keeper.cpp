@@ -10,7 +10,8 @@ ListKeeper::ListKeeper(Settings settings, const PairForce* pair, const Box& box)
     : settings_(std::move(settings)), pair_(pair), nearest_(box) {
   const double length = settings_.segmentLength;
   skin_ = settings_.skin > 0 ? settings_.skin : length;
-  // Wider, it would save little more, and cost memory, ghosts and even shares: cells grow with it.
+  // A wider skin would save little more time, and would cost memory and ghosts. It would also make
+  // the shares of ranks less equal, since cells grow with it.
   skinLimit_ = length;
   if (pair_)
     for (int d = 0; d < 3; ++d)
@@ -48,7 +49,7 @@ void ListKeeper::makePairList(State& state, const Domain& domain, const CellInde
 }
 
 bool ListKeeper::redraw(const State& state) {
-  // Pairs that the list does not have were a skin out of reach when it was made.
+  // A pair that the list lacks was farther apart than reach + skin when the list was made.
   double farthest2 = 0;
 #pragma omp parallel for num_threads(static_cast <int>(shares_.size())) reduction(max : farthest2)
   for (int i = 0; i < state.owned(); ++i) {
@@ -57,7 +58,7 @@ bool ListKeeper::redraw(const State& state) {
   }
   MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
   tuneMargin(state);
-  // A list that is nearly used up still serves for a thinner margin.
+  // If less of the skin is left than the margin, the list still serves for a thinner margin.
   const double left = skin_ - 2.0 * std::sqrt(farthest2);
   if (!(left >= 0.5 * margin_)) return false;
   margin_ = std::min(margin_, left);
@@ -66,7 +67,7 @@ bool ListKeeper::redraw(const State& state) {
 }
 
 double ListKeeper::takeDrawing() {
-  // A little wider, since the estimate of the stable step displaces what it evaluates.
+  // A little wider than asked, since the estimate of the stable step evaluates displaced segments.
   return std::exchange(draw_, false) ? 1.001 * margin_ : 0.0;
 }
 
@@ -81,9 +82,10 @@ void ListKeeper::startDrawing(const State& state) {
 }
 
 void ListKeeper::tuneMargin(const State& state) {
-  // A step looks at a rim of pairs in proportion to reach x margin (a sheet), a drawing at all
-  // within reach + skin, as many steps apart as the margin lasts: least together for this margin.
-  // The half: pairs of the rim cost more, since their segments are not in the cache yet.
+  // A step looks at the pairs of the rim, in proportion to reach x margin (for a sheet). A drawing
+  // looks at all within reach + skin, once in the steps that the margin lasts. This margin makes
+  // the sum of both least. The factor 0.5: pairs of the rim cost more, since their segments are not
+  // in the cache yet.
   const std::int64_t steps = drawStep_ < 0 ? 0 : state.step - drawStep_;
   if (steps < 1) return;
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),
@@ -95,7 +97,7 @@ void ListKeeper::tuneMargin(const State& state) {
 
 void ListKeeper::noteWork(const State& state, Domain& domain) {
   if (state.ranks() == 1) return;
-  // A segment's own part of a step costs about as much as this many pairs.
+  // What a step does for each segment (bonds, motion) costs about as much as this many pairs.
   constexpr double pairsPerSegment = 3.0;
   work_.assign(static_cast<std::size_t>(state.owned()), pairsPerSegment);
   if (pair_) pairs_.count(work_);
@@ -106,9 +108,10 @@ void ListKeeper::noteWork(const State& state, Domain& domain) {
 
 void ListKeeper::tuneSkin(const State& state) {
   if (!pair_ || settings_.skin > 0 || evaluations_ < 2 || rebuilds_ < 2) return;
-  // Cost of a step: (rebuild + drawings) / steps between. The steps between grow like the skin, the
-  // pairs to be looked at like the square of the range (a sheet) or more: follow the derivative, in
-  // steps large enough to be worth a new cell grid. Rank 0 decides, since all must agree.
+  // Cost of the lists per step: (rebuild + drawings) / (steps between rebuilds). The steps between
+  // grow like the skin, the pairs that a drawing looks at like the square of the range (a sheet) or
+  // more. The skin follows the derivative, by changes large enough to be worth a new cell grid.
+  // Rank 0 decides, since all ranks must agree.
   double next = skin_;
   const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
   const double loss = 2.0 * (drawSeconds_ / static_cast<double>(evaluations_)) / range();

@@ -9,8 +9,8 @@
 namespace nanoweft {
 
 double distanceOfPieces(const Vec3d& d, const Vec3d& a, const Vec3d& b, double half) {
-  // Places s and t along the pieces: each end held in turn, the best of the inner point and of the
-  // four ends.
+  // s and t are places along the pieces. The least distance is where the two lines are closest, if
+  // that is on both pieces, else at one of the four ends.
   const double ab = dot(a, b), da = dot(d, a), db = dot(d, b);
   auto held = [half](double x) { return std::clamp(x, -half, half); };
   auto squared = [&](double s, double t) {

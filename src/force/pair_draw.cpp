@@ -10,8 +10,8 @@ namespace nanoweft {
 
 namespace {
 
-/// Squared distances of centres: near below the first, far between the second and the third, else
-/// of the rim below the last.
+/// The classes of pairs by squared centre distance: near pairs lie below near2, far pairs from
+/// farFrom2 to farTo2; of the others, those below drawn2 form the rim.
 struct Classes {
   double near2, farFrom2, farTo2, drawn2;
 
@@ -24,7 +24,7 @@ struct Classes {
   }
 };
 
-/// Lanes that pass, packed into a list.
+/// The partners of one first segment that belong to a class, packed one after the other.
 class Packed {
  public:
   void makeRoom(std::size_t count) {
@@ -46,7 +46,8 @@ class Packed {
 
 void drawPairs(const PairRuns& listed, const double* pose, const MinimumImage& nearest,
                const DrawRanges& ranges, DrawnPairs& drawn) {
-  // Long enough for lanes of about the same number of partners, short enough for the cache.
+  // First segments in a chunk: so many that lanes get about equal numbers of partners, so few that
+  // the chunk's segments stay in the cache.
   constexpr std::size_t stretch = 256;
   const Classes classes(ranges);
   drawn.near.clear();

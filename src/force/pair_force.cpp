@@ -14,16 +14,17 @@ namespace nanoweft {
 
 namespace {
 
-/// Laws without a table have none in single precision.
+/// Stands for the single-precision table of a law that has none.
 struct NoSingle {
   template <class Law>
   explicit NoSingle(const Law&) {}
 };
 
-// Without the lookups in registers of AVX-512 it would be slower than in doubles.
+// Single precision is faster than double only where AVX-512 looks the table up in registers.
 using VdwSingle = std::conditional_t<singlePays, SingleTable, NoSingle>;
 
-/// A law as the kernel evaluates it: itself, or its table, which may have one in single precision.
+/// The pair force of a law, which the kernel evaluates as it stands (Hertz) or as a table. `Single`
+/// is the law's table in single precision.
 template <class Law, class Single = NoSingle>
 class PairForceOf final : public PairForce {
  public:
@@ -67,7 +68,7 @@ class PairForceOf final : public PairForce {
           continue;
         }
         tally.resolved += view.pairs();
-        // The force needs the energies too.
+        // The force of a blended pair contains its energy times the slope of the weight.
         resolve(points_.near, true, Weight::fading, view);
         resolve(points_.far, true, Weight::rising, view);
       }

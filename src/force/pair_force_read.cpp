@@ -17,8 +17,8 @@ namespace nanoweft {
 
 namespace {
 
-/// Places of these gaps in units of lambda: so written, 2 rf/lambda + gap has no rounding for the
-/// (10,10) tube, where it is 17.343571 A, 30 A and 2 A.
+/// In units of lambda: the gap at rest, and the begin and width of the far range. Written so that
+/// the (10,10) tube gets exactly 17.343571 A (rest distance), 30 A and 2 A, without round-off.
 constexpr double restGap = 17.343571 / 6.78 - 2.0, farPlace = 30.0 / 6.78, farWidth = 2.0 / 6.78;
 /// Arc length, in diameters, within which segments of one fibre do not interact.
 constexpr double excludedDiameters = 20;
@@ -94,7 +94,8 @@ double readHertz(const Reader& read) {
                 positive);
 }
 
-/// Distance of two fibres at rest in units of lambda, as the paper rounds it for its own numbers.
+/// Resting distance of two fibres in units of lambda; with the paper's parameters, the paper's
+/// rounded value.
 double restOf(const VdwParameters& p, const Fibre& fibre) {
   const VdwParameters paper;
   if (p.a != paper.a || p.b != paper.b || p.alpha != paper.alpha || p.beta != paper.beta)
@@ -115,7 +116,7 @@ double farFrom(const VdwParameters& p, const Fibre& f) {
   return own / ofTube * (farPlace * p.length);
 }
 
-/// Points for pairs near and far; `vdw`: of that law, the one with a far range.
+/// Points for near and far pairs. `vdw`: parameters of the only law that has a far range.
 PointChoice readPoints(const Reader& read, double restDistance, const VdwParameters& vdw) {
   OptionSection s(read.options, topic, !read.is("none"), "-pair is none");
   const Fibre& f = read.fibre;

@@ -11,11 +11,12 @@ namespace nanoweft {
 
 namespace {
 
-/// The segments in the order of their cells, as vectors to be compared with one of them at a time.
+/// Positions of the segments in the order of their cells, an array a coordinate, so that one
+/// segment is compared with `laneCount` others at a time.
 class OrderedSegments {
  public:
   explicit OrderedSegments(std::size_t count) {
-    // Whole SIMD groups can be read from any place.
+    // Padding, so that a whole SIMD group can be read from any place.
     for (auto* v : {&x_, &y_, &z_}) v->resize(count + laneCount);
     point_.resize(count + laneCount);
   }
@@ -26,8 +27,8 @@ class OrderedSegments {
     point_[place] = point;
   }
 
-  /// Puts those at the places begin <= place < end within sqrt(range2) of x into `found`, and
-  /// returns how many; room for a group more than there are places is needed.
+  /// Writes the segments at the places begin <= place < end that lie within sqrt(range2) of x to
+  /// `found`, and returns their number. `found` needs room for end - begin + laneCount.
   std::size_t within(const Vec3d& x, double range2, const MinimumImage& nearest, int begin, int end,
                      std::int32_t* found) const {
     const Vec3<Lanes> from{x.x, x.y, x.z};
@@ -51,7 +52,7 @@ class OrderedSegments {
   std::vector<std::int32_t> point_;
 };
 
-/// Places of the order that lie around a cell.
+/// Consecutive places of the order whose segments lie in a cell or next to it.
 struct Run {
   int begin, end;
   bool own;  ///< only a thread's own segments lie there
@@ -143,8 +144,8 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
         }
         const std::int64_t row = state.row[i], start = row - state.chain[2 * i];
         for (const Run& run : runs) {
-          // Pairs of own segments are found from the first, in the order of the cells, which is
-          // that of the owned segments in memory.
+          // A pair of two own segments is found from the one that comes first in the cells' order;
+          // owned segments are stored in that order.
           const std::size_t count = segments.within(
               state.position(i), range2, nearest, run.own ? std::max(run.begin, k + 1) : run.begin,
               run.end, found.data());
@@ -177,7 +178,7 @@ void PairList::count(std::vector<double>& pairs) const {
     for (const auto* list : {&threads_[t].inner, &threads_[t].outer})
       list->forEach([&](const ListPair& p) {
         for (std::int32_t k : {p.i, p.j})
-          // A pair of two threads stands in both lists.
+          // A pair of two threads' segments stands in both threads' lists.
           if (k < owned && k >= shares_[t].begin && k < shares_[t].end)
             pairs[static_cast<std::size_t>(k)] += 0.5;
       });

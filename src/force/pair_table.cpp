@@ -10,18 +10,19 @@ namespace nanoweft {
 
 namespace {
 
-/// The upper half of a number's bits, rounded to nearest, in the upper half.
+/// The bits of x rounded to the upper 32; the lower 32 are zero.
 std::uint64_t upperHalf(double x) {
   return (std::bit_cast<std::uint64_t>(x) + 0x80000000u) & 0xffffffff00000000u;
 }
 
-/// A row's columns. What rounding the highest coefficients leaves is taken up by the lower ones.
+/// The four doubles of a row. The highest coefficients are rounded first; the lower ones are fitted
+/// to what that leaves of the function.
 template <class F>
 std::array<double, 4> packedRow(const F& f, double width) {
   const std::uint64_t low = upperHalf(interpolate<5>(f, width)[4]);
   const double c4 = std::bit_cast<double>(low);
   auto cubic = [&](double t) { return f(t) - c4 * (t * t) * (t * t); };
-  // Rounded as the number that it is with c4 in its lower half.
+  // The kernel reads c3 with c4 in its lower half; that number is rounded to the wanted one.
   const double wanted = interpolate<4>(cubic, width)[3];
   const std::uint64_t high =
       upperHalf(std::bit_cast<double>(std::bit_cast<std::uint64_t>(wanted) - (low >> 32)));
@@ -38,7 +39,7 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
   const double inner = joins.inner * joins.inner, outer = joins.outer * joins.outer,
                cutoff = joins.cutoff * joins.cutoff;
   zones_[0] = {(1.0 - first) / inner, first};
-  // The begin of the switch is a node, too; of all nodes from 16 on that it may be, the one for
+  // The begin of the switch has to be a node, too. Of all nodes from y = 16 on, it gets the one for
   // which the cutoff falls nearest to a node.
   double best = 1.0, end = 0.0;
   for (double octave = 16; best > 1e-2; octave *= 2)
@@ -55,7 +56,7 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
   last_ = std::ldexp(1.0, std::ilogb(end) + 1);
 
   const int rows = (std::ilogb(last_ / first) << bits) + 1;
-  // Row by row the coefficients, then the energies, each with a spare row before.
+  // The rows of coefficients, then the rows of energies, each with a spare row in front.
   const auto size = static_cast<std::size_t>((rows + 1) * columns);
   std::shared_ptr<double[]> memory(
       static_cast<double*>(::operator new[](2 * size * sizeof(double), std::align_val_t(64))),

@@ -16,7 +16,7 @@ namespace {
 /// Rings of fibres around the one in the middle: 61 fibres.
 constexpr int rings = 4;
 constexpr std::uint32_t samples = 30;
-/// Pairs of points in a row of segments; what takes more is not estimated.
+/// Most point pairs of a segment with one neighbouring fibre for which the error is estimated.
 constexpr double mostPointPairs = 2e4;
 
 /// Endless straight fibres along x on a hexagonal grid, as relaxed fabrics have them: places vary

@@ -36,7 +36,7 @@ SingleTable::SingleTable(const PairTable& table) {
     set(memory->energy, firstPart + i,
         centred<terms>([&](double t) { return table(squared(t)).energy; }));
   }
-  // Round-off below zero distance finds the part before the first: the values there.
+  // A distance that round-off makes negative gets the part before the first: the values at zero.
   const std::array<double, terms> slope{table.slope(0.0)}, energy{table(0.0).energy};
   set(memory->slope, firstPart - 1, slope);
   set(memory->energy, firstPart - 1, energy);

@@ -27,7 +27,7 @@ void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& ro
         mine.push_back({state.row[i] - state.chain[2 * i], state.chain[2 * i],
                         state.chain[2 * i + 1], state.bond[i] & fibreClosed});
   }
-  // Breaks are rare events; all ranks hear of each once.
+  // Bonds break rarely, so every rank is told of every break.
   int bytes = static_cast<int>(mine.size() * sizeof(Break)), total = 0;
   std::vector<int> sizes(static_cast<std::size_t>(state.ranks())), offsets(sizes.size());
   MPI_Allgather(&bytes, 1, MPI_INT, sizes.data(), 1, MPI_INT, state.comm());

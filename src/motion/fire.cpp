@@ -19,8 +19,8 @@ constexpr double firstStep = 0.25, leastStep = 0.02;  // of the longest
 
 Fire::Fire(const Fibre& fibre, double longest)
     : verlet_(firstStep * longest, 0.0), longest_(longest), mixing_(firstMixing) {
-  // Exact sums reach from 1e-24 to 1e5 of a unit's scale: here from forces of 1e-12 to 36 of
-  // that which doubles a bond's length.
+  // An exact sum holds terms from 1e-22 to 1e5 times the scale of its unit. With these scales it
+  // holds forces from 1e-12 to 36 times the force that doubles a bond's length.
   const double force = fibre.bond.stretch * fibre.length, mass = fibre.mass;
   const double forceScale = 0.01 * force * force / mass, speedScale = 0.01 * force * fibre.length;
   forceUnit_ = SumUnit(forceScale);

@@ -35,7 +35,7 @@ double largestResidual(const State& state, const ForceField& forces, const Bound
     const double t2 =
         r.torque[0] * r.torque[0] + r.torque[1] * r.torque[1] + r.torque[2] * r.torque[2];
     const double worst = std::max(f2, t2 * perLength2);
-    // A force that is not a number is no rest.
+    // A NaN counts as an infinite force, so that it never passes for equilibrium.
     largest =
         std::isfinite(worst) ? std::max(largest, worst) : std::numeric_limits<double>::infinity();
   }

@@ -35,7 +35,7 @@ double largestEigenvalue(const std::vector<double>& diagonal, const std::vector<
   return high;
 }
 
-/// Exact, so that a step chosen by the limit is the same on any number of ranks.
+/// Dot product over all ranks, exact, so that the limit is the same on any number of ranks.
 double globalDot(const std::vector<double>& a, const std::vector<double>& b, const SumUnit& unit,
                  MPI_Comm comm) {
   ExactSum sum;
@@ -44,8 +44,9 @@ double globalDot(const std::vector<double>& a, const std::vector<double>& b, con
   return sum.value(unit);
 }
 
-/// The mass-weighted stiffness around the present pose, as what it does to a direction: six numbers
-/// a segment, the displacement times the root of the mass and the turn times that of the inertia.
+/// The mass-weighted stiffness matrix at the present pose, through its product with a vector. A
+/// vector has six numbers a segment: the displacement times the root of the mass, and the rotation
+/// times the root of the moment of inertia.
 class Stiffness {
  public:
   Stiffness(State& state, ForceField& forces, Halo& halo)
@@ -57,7 +58,7 @@ class Stiffness {
         perRootInertia_(1.0 / std::sqrt(forces.fibre().inertia)),
         pose_(state.pose, state.pose + 8 * n_) {}
 
-  /// The stiffness times q, by the difference of forces on both sides. Collective.
+  /// The stiffness times q, by central differences of the forces. Collective.
   const std::vector<double>& times(const std::vector<double>& q) {
     double largest = 0;
     for (std::size_t j = 0; j < q.size(); ++j) {
@@ -113,8 +114,8 @@ class Stiffness {
   std::vector<double> pose_, plus_, minus_;
 };
 
-/// Of length one over all ranks. A random direction has a part of every mode; it depends on the
-/// segments' ids alone.
+/// A random vector of length one over all ranks, so that it has a part of every mode. It depends on
+/// the segments' ids alone.
 std::vector<double> randomDirection(const State& state) {
   const auto n = static_cast<std::size_t>(state.owned());
   std::vector<double> q(6 * n);
@@ -130,7 +131,7 @@ std::vector<double> randomDirection(const State& state) {
 
 double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   Stiffness stiffness(state, forces, halo);
-  // Stiffness per mass against a chain's; contacts may be far stiffer.
+  // Scale of the exact sums: 1e3 times a chain's omega^2, since contacts may be far stiffer.
   const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.fibre()), 2);
   const SumUnit ofProduct(chain), ofSquare(chain * chain);
   std::vector<double> q = randomDirection(state), before(q.size(), 0.0), diagonal, off;

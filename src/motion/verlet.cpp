@@ -53,7 +53,7 @@ NW_INLINE V damp(V& v, const V& force, const V& viscous, double factor, double d
   return (drag - viscous) * mean;
 }
 
-/// Half kicks, of whole SIMD groups where nothing but the forces acts.
+/// Makes half kicks, of whole SIMD groups where neither a boundary nor viscous damping acts.
 class Kicker {
  public:
   Kicker(System& system, const std::vector<Action>& actions, double damping, double h)
@@ -91,7 +91,8 @@ class Kicker {
     return !(all & mask_);
   }
 
-  /// The components of a group of segments are contiguous: no lane needs to know whose it is.
+  /// Kicks `laneCount` segments. All components are kicked alike and are contiguous, so lanes go
+  /// through them without regard to segments.
   NW_INLINE void group(double* velocity, const double* force, double factor) {
     for (int k = 0; k < 3 * laneCount; k += laneCount) {
       Lanes v(velocity + k, stdx::element_aligned);
@@ -141,7 +142,7 @@ class Kicker {
   void actedOn(double& v, double force, double viscous, double load, bool fixed, double held,
                double factor, double inertia) {
     if (fixed) {
-      // The holder brings in what the held body gains beyond the work of the forces on it.
+      // The boundary brings in what the held segment gains beyond the work of the forces on it.
       const double mean = 0.5 * (v + held);
       external_.add((inertia * (held - v) / h_ * mean - (force + viscous) * mean) * h_, unit_);
       damped_.add(-viscous * mean * h_, unit_);
@@ -162,7 +163,7 @@ class Kicker {
   ExactSum damped_, external_;
 };
 
-/// Moves segments by a whole step and notices what that does.
+/// Moves segments by a whole step and reports whether lists are stale or the motion is unstable.
 class Drifter {
  public:
   Drifter(State& state, const ForceField& forces, double dt)
@@ -178,7 +179,7 @@ class Drifter {
 
   /// Segments begin <= i < end.
   void operator()(std::int32_t begin, std::int32_t end) {
-    // Rows of three doubles are read four at a time.
+    // `group` reads four doubles for each three, so another segment must follow.
     if (end - begin == laneCount && end < s_.owned())
       group(begin);
     else
@@ -211,7 +212,7 @@ class Drifter {
     const Vec3<Lanes> v = triples(s_.velocity + 3 * begin);
     const Lanes dt(dt_);
     const Vec3<Lanes> turn = dt * triples(s_.angular + 3 * begin);
-    // Slower than the limit of small rotations, and NaN goes the long way.
+    // Segments that are too fast for smallRotation, or NaN, are moved one by one.
     if (!stdx::all_of(0.25 * dot(turn, turn) < Lanes(smallHalfAngle2) &&
                       dot(v, v) < Lanes(fastest2_))) {
       for (int k = 0; k < laneCount; ++k) one(begin + k);
@@ -241,7 +242,7 @@ class Drifter {
   DriftReport report_;
 };
 
-/// Calls `work(begin, end)` for SIMD groups of segments, on every thread for its own.
+/// Calls `work(begin, end)` for one SIMD group of a thread's share after the other.
 template <class Work>
 void inGroups(Share share, const Work& work) {
   for (std::int32_t begin = share.begin; begin < share.end; begin += laneCount)
@@ -264,7 +265,7 @@ DriftReport Verlet::move(System& system) {
       Kicker second(system, actionsThen, damping_, h);
       Kicker first(system, actions, damping_, h);
       Drifter drift(state, forces, dt_);
-      // Segments that still are in the cache when their bonds follow.
+      // Segments of a chunk, so few that they still are in the cache when their bonds follow.
       constexpr std::int32_t stretch = 64 * laneCount;
       for (Share part{shares[t].begin, 0}; part.begin < shares[t].end; part.begin = part.end) {
         part.end = std::min(part.begin + stretch, shares[t].end);
@@ -274,7 +275,7 @@ DriftReport Verlet::move(System& system) {
             second(begin, end);
           }
           first(begin, end);
-          // Ready for the next forces.
+          // The bonds of the new positions and the next evaluation add to zero.
           std::fill(state.force + 3 * begin, state.force + 3 * end, 0.0);
           std::fill(state.torque + 3 * begin, state.torque + 3 * end, 0.0);
           drift(begin, end);

@@ -127,7 +127,7 @@ std::string problemOfIndex(const std::string& text, const Snapshots::Setting& se
       ": another run wrote it; choose another -snapshot_file (or -overwrite)";
   if (!text.starts_with(xmlHead)) return another;
   const std::string comment = text.substr(std::string(xmlHead).size());
-  // As an index holds it, which cannot hold every character.
+  // Both are compared as an index holds them, since XML cannot hold every character.
   auto held = [](const Provenance& p) {
     std::istringstream lines(xmlCommentIn(xmlComment(p.tableHead())));
     return Provenance::fromTable(lines).value_or(Provenance{});

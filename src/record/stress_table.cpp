@@ -79,7 +79,8 @@ class StressTable : public TableObserver {
  private:
   void measure(const Moment& moment) {
     grips_ = gripStress(moment.state(), moment.system.forces, *boundaries_.tension(), units_);
-    // A row that only closes a piece of the run is none of the whole run's.
+    // The strength must not depend on restarts, so a row that is there only because a run ended
+    // between two due steps does not count.
     if (isDue(moment, interval())) strength_ = std::max(strength_, stress());
   }
   double stress() const { return 0.5 * (grips_[0] + grips_[1]); }
@@ -97,7 +98,7 @@ void StressTable::summarise(const Moment& moment) const {
   PetscPrintf(comm, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n",
               100 * boundaries_.tension()->strain(moment.state().time), strength,
               static_cast<long long>(moment.energies->brokenBonds));
-  // Round-off of balanced forces is far below this; stray fibres in the grips feel nothing else.
+  // Grips that hold only stray fibres feel nothing but round-off, which is far below 1e-9 GPa.
   if (strength < 1e-9)
     PetscPrintf(comm,
                 "warning: the grips have felt no force: nothing joins them (-tension_ends says "

@@ -163,10 +163,10 @@ TableRows checkTableRows(int descriptor, const TableHead& head, std::int64_t res
   const std::int64_t first = head.stretches[0].begin;
   TableRows rows;
   rows.end = head.end;
-  if (first > restartStep) return rows;  // all of it comes again
+  if (first > restartStep) return rows;  // the restart writes all rows again
   Lines lines(descriptor, head.end);
   std::int64_t wanted = first, previous = -1;
-  bool later = false;  // beyond the restart: what stands there comes again
+  bool later = false;  // beyond the restart's step: the restart writes these rows again
   for (long long number = head.lines + 1; lines.next(); ++number) {
     const auto step = lines.whole() ? stepOf(lines.text(), columns) : std::nullopt;
     auto fault = [&](const std::string& what) {
@@ -197,7 +197,7 @@ TableRows checkTableRows(int descriptor, const TableHead& head, std::int64_t res
     rows.end = lines.end();
     wanted = head.nextRow(*step);
   }
-  // A table that was killed while it was young may hold no row.
+  // A run that was killed early may have left a table without a row.
   if (wanted <= restartStep && !(rows.last < 0 && first == restartStep))
     rows.problem = stepRange(head, wanted, restartStep + 1) + " at its end";
   return rows;

@@ -113,7 +113,7 @@ void TableMonitor::check(MPI_Comm comm, const TableRun& run) const {
   makeParentFolder(comm, file);
   std::string problem;
   struct stat there;
-  // What is no regular file must not be opened here: a fifo would wait for its reader.
+  // Only a regular file is opened: to open a FIFO would wait for its other end.
   if (rankIn(comm) == 0 && ::stat(file.c_str(), &there) == 0) {
     if (S_ISREG(there.st_mode) && there.st_size > 0) {
       if (const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); fd >= 0) {
@@ -128,7 +128,7 @@ void TableMonitor::check(MPI_Comm comm, const TableRun& run) const {
   agree<InputError>(comm, problem);
 }
 
-/// Looks at the content of the file and notes what of it stays.
+/// Reads the table that is in the file and notes which of its rows this run keeps.
 void TableMonitor::read(const TableRun& run) {
   const std::string& name = file_->name();
   TableHead old;

@@ -1,4 +1,4 @@
-/// Scene `file`: segments from a state file (README.md, "Your own geometry").
+/// Scene `file`: segments from a state file (src/manual/file_format.md).
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/scene/scene.hpp"
 

@@ -112,7 +112,7 @@ std::string claimTarget(const std::string& file, const Provenance& mine, FileIde
   replaced = FileIdentity::of(file);
   const std::string place = throughLinks(file);
   if (const auto known = targets().find(place); known != targets().end()) {
-    // What has gone meanwhile is nobody's loss.
+    // A file that was removed meanwhile cannot be overwritten.
     if (!replaced.exists || replaced == known->second) return "";
     return "will not replace " + file + ": something else has written it since this run looked";
   }

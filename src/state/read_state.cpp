@@ -163,8 +163,8 @@ std::string closedProblem(const std::vector<std::int64_t>& closed, bool mask) {
   return format("/state/fibre_closed names the fibre %lld twice", static_cast<long long>(*twice));
 }
 
-/// Images count along directions that are periodic. A segment of a box that has been opened since
-/// lies where its fibre runs on without a jump, which may be outside.
+/// Images count along periodic directions alone. Where the file's box (`own`) is periodic and the
+/// run's box is open, a segment is put where its fibre runs on without a jump, maybe outside.
 void settleImages(const Box& own, const Box& box, double* x, std::int32_t* image) {
   for (std::size_t d = 0; d < 3; ++d) {
     if (box.periodic[d]) continue;
@@ -189,7 +189,7 @@ struct RawRows {
     readRows(file, rows::image, block, image);
     readRows(file, rows::bondBroken, block, broken);
     if (h5::find(file.segments(), rows::fibreClosed.name) == h5::Found::nothing) return;
-    // Every rank needs all of it.
+    // Every rank reads the whole list of closed fibres.
     readRows(file, rows::fibreClosed,
              RowBlock(h5::inspect(file.segments(), rows::fibreClosed).rows, 0, 1), closed);
     std::ranges::sort(closed);

@@ -146,7 +146,8 @@ void State::migrate(const std::vector<int>& destination) {
 
 namespace {
 
-/// Places first <= k < last of an order that has no other places there: the rest stays as it is.
+/// Places first <= k < last that an order permutes among themselves. Places outside all such
+/// stretches keep their segments.
 struct Stretch {
   std::size_t first, last;
 };
@@ -164,7 +165,7 @@ std::vector<Stretch> movedStretches(const std::vector<int>& order) {
   return moved;
 }
 
-/// Reorders values of a fixed size. None: does nothing.
+/// Reorders values of a fixed size; `values` is null for a field that the state does not have.
 template <std::size_t bytes>
 void reorder(char* values, const std::vector<int>& order, const std::vector<Stretch>& moved,
              std::vector<char>& copy) {

@@ -1,4 +1,4 @@
-/// Energy accounts in the record of a run, exactly.
+/// Saves the energy accounts in the record of a run and restores them, without rounding.
 #pragma once
 
 #include "nanoweft/motion/system.hpp"
@@ -8,7 +8,7 @@ namespace nanoweft {
 
 /// Sums over all ranks. Collective.
 void saveAccounts(RunRecord& record, const EnergyAccounts& accounts, MPI_Comm comm);
-/// The sums go on on rank 0. Throws InputError when one is missing.
+/// Rank 0 takes up the sums. Throws InputError when one is missing.
 void restoreAccounts(EnergyAccounts& accounts, const RunRecord& record, int rank);
 
 }  // namespace nanoweft

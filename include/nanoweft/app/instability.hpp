@@ -1,4 +1,4 @@
-/// What ends a run that has become unstable.
+/// The error that ends an unstable run.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace nanoweft {
 
-/// Throws RunError that names the fastest segment; `sign`: what else speaks for it, or nothing.
-/// Collective.
+/// Throws a RunError that names the fastest segment; `sign`: another sign of the instability to be
+/// named, or empty. Collective.
 [[noreturn]] void throwUnstable(const Moment& moment, const UnitSystem& units,
                                 const std::string& sign);
 

@@ -15,7 +15,7 @@ class LastCheckpoint {
   std::string sentence() const;
 
  private:
-  /// What changes when another file takes its place.
+  /// Tells a file from another that has taken its place.
   struct Stamp {
     unsigned long device = 0, inode = 0;
     long size = -1, seconds = 0, nanoseconds = 0;

@@ -35,8 +35,8 @@ GivenOptions readOptions(MPI_Comm comm, const std::vector<std::string>& words);
 /// Puts them into PETSc's database; before PetscInitialize, so that it finds its own.
 void insertOptions(const GivenOptions& options);
 
-/// Starts PETSc with these options and those alone, without its signal handlers. The code is
-/// PETSc's. Throws PetscFailure.
+/// Starts PETSc with these options alone and without its signal handlers. Returns PETSc's error
+/// code. Throws PetscFailure.
 PetscErrorCode initialisePetsc(const std::string& program, const GivenOptions& options);
 
 }  // namespace nanoweft

@@ -8,7 +8,7 @@ namespace nanoweft {
 
 void printHeader(const RunParts& parts, const Moment& start);
 
-/// Where the summary counts from.
+/// The moment from which the summary counts steps, time and pairs.
 struct Clock {
   explicit Clock(const Moment& start);
   double wall, time;

@@ -1,4 +1,4 @@
-/// A run put together: segments, forces, motion and what looks at them.
+/// The parts of a run, put together from its plan: segments, forces, stepper, stable step.
 #pragma once
 
 #include <memory>
@@ -31,7 +31,7 @@ struct RunParts {
 
   System system() { return {*state, *domain, *forces, plan->boundaries, accounts}; }
   bool evaluatesOnly() const { return plan->evaluatesOnly(state->step); }
-  /// By it a later stage knows whether its bonds are the same.
+  /// Numbers by which a later stage can tell whether its bonds are the same.
   std::vector<double> fingerprint() const;
 
   std::unique_ptr<RunPlan> plan;

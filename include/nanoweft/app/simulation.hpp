@@ -1,4 +1,4 @@
-/// One run, from its first to its final state.
+/// The loop of one run over its steps, from the first to the final state.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,7 @@ class Simulation : private RunBook {
 
   /// The parts of the run, as they are.
   RunParts& parts() { return *parts_; }
-  /// Of the last state for which somebody asked for them.
+  /// Energies of the last state for which an observer asked for them.
   const std::optional<Energies>& energies() const { return energies_; }
 
  private:
@@ -33,10 +33,10 @@ class Simulation : private RunBook {
   /// Evaluates the first state.
   void begin();
   void step();
-  /// Tells all ranks what one of them has noticed or wishes; makes the lists anew where needed.
+  /// Ranks tell each other what they have noticed or wish, then make the lists anew if needed.
   void agreeAndPrepare(const DriftReport& drift);
   View widestView();
-  /// `energies`: the outcome has them.
+  /// Takes up the outcome of an evaluation; `energies`: the outcome has them.
   void note(const ForceOutcome& outcome, bool energies);
   /// Evaluates the present state again where its energies are not known.
   void requireEnergies();

@@ -25,8 +25,8 @@ class WallLimit {
   explicit WallLimit(double limit) : limit_(limit) {}
 
   double limit() const { return limit_; }
-  /// To be called in each step; `now` and what a checkpoint takes in seconds, the former since the
-  /// start. True when the next step might be one too many.
+  /// To be called in each step; `now`: seconds since the start; `checkpoint`: seconds that one
+  /// takes. True when the next step might be one too many.
   bool over(double now, double checkpoint);
 
  private:

@@ -1,4 +1,4 @@
-/// One way of writing for each value of an option, so that texts are equal where values are.
+/// The canonical text of an option's value, by which options of two runs are compared.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-/// What is thrown, by all ranks together, so that every rank leaves in step.
+/// Exceptions for bad input and for a failed run, thrown by all ranks together.
 #pragma once
 
 #include <stdexcept>

@@ -10,7 +10,7 @@ namespace nanoweft {
 using Floats = stdx::native_simd<float>;
 inline constexpr int floatCount = static_cast<int>(Floats::size());
 static_assert(floatCount == 2 * laneCount);
-/// Are kernels in single precision faster here? With AVX-512 tables are looked up in registers.
+/// Are kernels in single precision faster here? Only AVX-512 looks their tables up in registers.
 inline constexpr bool singlePays = laneCount == 8;
 
 /// As for doubles.
@@ -78,7 +78,7 @@ struct alignas(64) ShortColumn {
   }
 };
 
-/// Two groups of doubles rounded to one of floats.
+/// Two vectors of doubles rounded to one of floats.
 NW_INLINE Floats rounded(const Lanes& low, const Lanes& high) {
 #ifdef __AVX512F__
   const __m256 a = _mm512_cvtpd_ps(static_cast<__m512d>(low)),

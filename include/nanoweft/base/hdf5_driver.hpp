@@ -1,9 +1,8 @@
 /// HDF5 on a file that is open already, for one process.
 ///
-/// HDF5's own drivers let a failed write pass for a broken library: files cannot be closed any
-/// more, and the program ends in a crash or waits for ever. This one remembers the first failure
-/// and keeps quiet about it, so that HDF5 always comes to its end; whoever writes asks for the
-/// failure.
+/// After a failed write, HDF5's own drivers leave files that cannot be closed, and the program
+/// crashes or hangs. This driver tells HDF5 that every write succeeds, so HDF5 always comes to its
+/// end. It keeps the first failure in `OpenFile`, where the code that writes a file looks for it.
 #pragma once
 
 #include <hdf5.h>

@@ -1,5 +1,5 @@
-/// Reading datasets of numbers that anyone may have made: what is not what it should be is a
-/// problem with a name, never a wrong number.
+/// Reads datasets of numbers from HDF5 files that anyone may have made. A dataset that is not as
+/// expected gives a problem in words, never a wrong number.
 #pragma once
 
 #include <cstdint>

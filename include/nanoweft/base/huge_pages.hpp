@@ -1,13 +1,13 @@
-/// Large pages for large arrays: the forces of pairs go through them in no order, and each small
-/// page that is met for the first time in a while costs a walk through the page tables.
+/// Large pages for large arrays. The pair kernel visits the arrays of segments in no order; with
+/// small pages, many visits would cost a walk through the page tables.
 #pragma once
 
 #include <cstddef>
 
 namespace nanoweft {
 
-/// Asks the system to back an array by large pages, those in use already included. A hint: where
-/// the system has none to give, nothing happens.
+/// Asks the system to back an array by large pages, also where it has been written to before. This
+/// is a hint: a system that has no large pages to give does nothing.
 void preferHugePages(void* begin, std::size_t bytes);
 
 }  // namespace nanoweft

@@ -1,6 +1,6 @@
-/// Map from 64-bit keys >= 0 to 32-bit indices, built once per rebuild, filled and looked up in a
-/// few nanoseconds: hashed by open addressing, or a plain array where most keys of a range are
-/// there.
+/// Map from 64-bit keys >= 0 to 32-bit indices (from rows to local indices, from cells to their
+/// places), built at every rebuild and looked up in a few nanoseconds: a hash table with open
+/// addressing, or a plain array where most keys of a range are present.
 #pragma once
 
 #include <bit>
@@ -78,7 +78,7 @@ class IndexMap {
 
   std::vector<Slot> slots_;
   std::size_t mask_ = 0, count_ = 0;
-  std::vector<int> dense_;  ///< when not empty, in use
+  std::vector<int> dense_;  ///< indices by key - first_; empty: `slots_` is in use
   std::int64_t first_ = 0;
 };
 

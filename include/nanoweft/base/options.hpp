@@ -94,7 +94,7 @@ class Options {
   bool help_ = false;
   std::vector<Topic> topics_;
   std::map<std::string, Reading> readings_;
-  std::set<std::string> countWhenGiven_;  ///< that they are given means something of its own
+  std::set<std::string> countWhenGiven_;  ///< giving them has an effect even at their default
   std::string checkpoint_;                ///< that the run goes on from, or empty
   std::map<std::string, std::string> recorded_, inForce_;
 };

@@ -1,5 +1,5 @@
-/// A result file that becomes visible under its name only when it is complete, and that takes only
-/// the place that was meant for it. For one process; nothing here is collective.
+/// A result file that appears under its name only when it is complete, and that replaces no other
+/// file than the one it was meant to replace. For one process; nothing here is collective.
 #pragma once
 
 #include <sys/stat.h>
@@ -29,8 +29,8 @@ struct FileIdentity {
   }
 };
 
-/// The name that is reached through all symbolic links of `file`, which need not exist: whoever
-/// writes there keeps the links. Absolute. A loop of links ends at one of them.
+/// The absolute name behind all symbolic links of `file`, which need not exist. A file put under
+/// this name leaves the links as they are. A loop of links ends at one of them.
 std::string throughLinks(const std::string& file);
 
 class OutputFile {
@@ -39,7 +39,7 @@ class OutputFile {
   /// Makes an empty file without a name in the folder of `file`, or where the file system cannot do
   /// that, one named FILE.tmp-XXXXXX. `problem()` says when that failed.
   explicit OutputFile(const std::string& file, Temporary wanted = Temporary::nameless);
-  /// What is not published leaves nothing behind.
+  /// Removes the file unless it has been published.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -49,12 +49,12 @@ class OutputFile {
   int descriptor() const { return descriptor_; }
   /// Appends text; a failure is remembered in problem().
   void write(std::string_view text);
-  /// Takes note of a failed write by someone else to descriptor().
+  /// Notes that the caller's own write to descriptor() failed; `reason`: its errno.
   void fail(int reason);
 
-  /// Brings all to the disk and puts the file under its name, in the place of `replaced` and of
-  /// nothing else: when something else stands there by now, that is a problem. Returns the
-  /// problem; when it is empty `replaced` is the new file.
+  /// Brings the content to the disk and puts the file under its name, in the place of `replaced`.
+  /// Fails when another file than `replaced` stands there by now. Returns the problem; when it is
+  /// empty, `replaced` is the new file.
   std::string publish(FileIdentity& replaced);
 
  private:

@@ -1,4 +1,5 @@
-/// The SIMD vector that kernels run in, and the few operations that differ from plain doubles.
+/// SIMD: the vector type `Lanes`, in which kernels compute `laneCount` bonds, pairs or segments at
+/// a time, and the operations on it that the standard library lacks or compiles badly.
 #pragma once
 
 #include <array>
@@ -69,7 +70,7 @@ NW_INLINE bool anyOf(const stdx::simd_mask<T, Abi>& condition) {
   return stdx::any_of(condition);
 }
 
-/// The larger, the smaller of two numbers; the second when one is not a number.
+/// The larger and the smaller of two numbers; the second one when either is a NaN.
 NW_INLINE double larger(double a, double b) {
   return a > b ? a : b;
 }
@@ -91,8 +92,8 @@ NW_INLINE Lanes smaller(const Lanes& a, const Lanes& b) {
 #endif
 }
 
-/// a b + c, fused where the target can, so that all instances of a formula round alike. (The
-/// library's own fma falls apart into scalar ones in large functions.)
+/// a b + c, fused where the target can, so that all instances of a formula round alike. (In large
+/// functions the compiler splits the library's own fma into scalar ones.)
 NW_INLINE double multiplyAdd(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
@@ -112,14 +113,14 @@ NW_INLINE Lanes multiplyAdd(const Lanes& a, const Lanes& b, const Lanes& c) {
 #endif
 }
 
-/// Integers as wide as the lanes, in memory.
+/// A 64-bit index for each lane, in memory.
 struct LaneIndex {
   alignas(64) std::int64_t at[Lanes::size()];
 };
 
-/// The number of the part that y > 0 lies in, times `stride` (a power of two), when octaves are cut
-/// into 2^bits equal parts: where rows of `stride` doubles begin, but for a constant offset.
-/// `begin`: where the part begins.
+/// Looks up y > 0 in a table whose parts are octaves cut into 2^bits equal parts. Returns the
+/// number of y's part times `stride` (a power of two, the doubles of a row), up to a constant;
+/// `begin` is set to where the part begins.
 template <int bits, int stride>
 NW_INLINE std::int64_t octavePart(double y, double& begin) {
   constexpr int shift = 52 - bits;
@@ -136,7 +137,8 @@ NW_INLINE LaneIndex octavePart(const Lanes& y, Lanes& begin) {
   LaneIndex index;
   const Integers counted = floor >> (shift - std::countr_zero(unsigned{stride}));
   std::memcpy(index.at, &counted, sizeof counted);
-  // Through memory: taken apart in registers, the numbers would compete with the rows' shuffles.
+  // Keeps the indices in memory. To take them out of a register one by one, the compiler would use
+  // the shuffle unit, which the loads of rows need.
   asm("" : "+m"(index));
   return index;
 }
@@ -188,7 +190,7 @@ NW_INLINE Doubles8 loadHalves(const double* low, const double* high) {
 #endif
 }
 
-/// Columns k .. k+3 of four groups of rows. (By value: arrays would be written to memory.)
+/// Columns k .. k+3 of four groups of rows. (By value: the compiler writes arrays to memory.)
 template <int columns, std::size_t k, class Combine, class Group>
 NW_INLINE void transposeGroup(Group r0, Group r1, Group r2, Group r3,
                               std::array<Lanes, columns>& c) {
@@ -226,14 +228,14 @@ struct Combine8 {
 
 }  // namespace detail
 
-/// The first columns of rows, a row a lane; `place(lane)`: where its row begins. With vector loads
-/// and shuffles: element by element, the table would cost more than its polynomials.
+/// The first columns of a row for each lane; `place(lane)`: where its row begins. Rows are loaded
+/// as vectors and transposed by shuffles, since loading element by element is far slower.
 template <int columns, class Place>
 NW_INLINE std::array<Lanes, columns> loadRows(const double* table, Place place) {
   using namespace detail;
   std::array<Lanes, columns> c;
   if constexpr (laneCount == 8) {
-    // Lanes in couples such that quarters of registers can be put together as they are.
+    // Lanes l and l + 2 share a register, so that the transpose moves whole quarters of registers.
     auto rows = [&](std::size_t l, int first) {
       return loadHalves(table + place(l) + first, table + place(l + 2) + first);
     };
@@ -260,7 +262,7 @@ NW_INLINE std::array<Lanes, columns> loadRows(const double* table, const LaneInd
 }
 
 typedef std::int64_t LaneIntegers __attribute__((vector_size(sizeof(Lanes))));
-/// An index a lane.
+/// A 32-bit index for each lane.
 typedef std::int32_t LaneNumbers __attribute__((vector_size(sizeof(Lanes) / 2)));
 NW_INLINE LaneNumbers loadNumbers(const std::int32_t* from) {
   LaneNumbers v;
@@ -271,7 +273,7 @@ NW_INLINE Lanes toLanes(const LaneNumbers& v) {
   typedef double Doubles __attribute__((vector_size(sizeof(Lanes))));
   return __builtin_bit_cast(Lanes, __builtin_convertvector(v, Doubles));
 }
-/// Are all of them zero?
+/// Are the numbers of all lanes zero?
 NW_INLINE bool none(const LaneNumbers& v) {
   std::int64_t words[sizeof v / 8], all = 0;
   std::memcpy(words, &v, sizeof v);
@@ -282,12 +284,13 @@ NW_INLINE bool none(const LaneNumbers& v) {
 typedef std::int64_t Row __attribute__((vector_size(64)));
 typedef double Reals __attribute__((vector_size(64)));
 
-/// The inverse of loadRows: up to eight columns to a row a lane, the missing ones zero.
-/// (`Integers` are LaneIntegers: a parameter, so that only what fits the target is compiled.)
+/// The inverse of loadRows: makes a row for each lane from up to eight columns, missing ones zero.
+/// (`Integers` is LaneIntegers: as a parameter, so that only the target's branch is compiled.)
 template <int columns, class Integers>
 NW_INLINE void toRows(const Integers* column, Row* row) {
   if constexpr (laneCount == 8) {
-    // Couples of columns of the even and the odd lanes, then the quarters to their lanes.
+    // First two columns are interleaved, even and odd lanes apart. Then quarters of registers, two
+    // columns of a lane each, are moved to the rows of their lanes.
     auto at = [column](int k) { return k < columns ? column[k] : Row{}; };
     auto even = [&](int k) {
       return __builtin_shufflevector(at(k), at(k + 1), 0, 8, 2, 10, 4, 12, 6, 14);
@@ -342,8 +345,8 @@ NW_INLINE LaneIntegers nearestIntegers(const Lanes& x) {
 #ifdef __AVX512DQ__
   return __builtin_bit_cast(LaneIntegers, _mm512_cvtpd_epi64(static_cast<__m512d>(x)));
 #else
-  // 1.5 * 2^52 added leaves an integer in the low bits: of the upper 32 bits first, then of the
-  // rest.
+  // Adding 1.5 * 2^52 leaves the nearest integer in the low bits of the sum. This is done for the
+  // upper 32 bits first, then for the rest.
   const Lanes magic(0x1.8p52);
   const auto bits = [](const Lanes& v) { return __builtin_bit_cast(LaneIntegers, v); };
   const Lanes high = x * 0x1p-32 + magic;
@@ -352,8 +355,8 @@ NW_INLINE LaneIntegers nearestIntegers(const Lanes& x) {
 #endif
 }
 
-/// Makes the compiler take what it needs of `x` from memory, where it is an operand at no cost,
-/// rather than make it anew from parts that it holds in registers.
+/// Makes the compiler read parts of `x` from memory, which costs nothing as the operand of another
+/// instruction. Otherwise it would build them anew from values in registers at every use.
 template <class T>
 NW_INLINE void keepInMemory(T& x) {
   asm("" : "+m"(x));

@@ -10,10 +10,10 @@
 
 namespace nanoweft {
 
-/// Calls `work(share)` once for each 0 <= share < count: on a thread of its own each where the
-/// runtime gives `count` of them, else several on one thread. Rethrows an exception of `work`, one
-/// of them when there are several, when all threads are done; the shares after it in its thread are
-/// left out then.
+/// Calls `work(share)` once for each 0 <= share < count, each on a thread of its own where the
+/// runtime gives `count` threads. When `work` throws, its thread leaves out its remaining shares,
+/// and the exception (one of them, if there are several) is thrown again after all threads are
+/// done.
 template <class Work>
 void onShares(std::size_t count, const Work& work) {
   std::exception_ptr failure;

@@ -1,7 +1,7 @@
 /// Small vectors and rotations, generic in the number type: `double`, or a SIMD vector of doubles.
 ///
 /// Every function is written so that exchanging the roles of two segments negates differences
-/// exactly; see README.md, "The same bits".
+/// exactly; see src/README.md, "The same bits".
 #pragma once
 
 #include <cmath>
@@ -99,8 +99,8 @@ NW_INLINE Vec3<V> axis3(const Quat<V>& q) {
           1.0 - 2.0 * (q.x * q.x + q.y * q.y)};
 }
 
-/// Below this square of the half angle, 0.2 rad, rotations need no sine. (A time step turns a
-/// segment by far less.)
+/// Up to this square of the half angle (a rotation by 0.2 rad) a Taylor series serves for the sine.
+/// A time step turns a segment by far less.
 inline constexpr double smallHalfAngle2 = 0.01;
 
 /// Rotation by a small vector (axis times angle in radians); the Taylor remainders are below 1e-17.

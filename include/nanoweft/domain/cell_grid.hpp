@@ -1,6 +1,7 @@
-/// The DMDA of cells over the box: directory (which rank answers for a cell) and rectilinear
-/// partition. In open directions the grid spans the segments that are there; a segment outside
-/// counts in the outermost cell, which keeps neighbours within reach of each other.
+/// The grid of cells over the box, a PETSc DMDA: in which cell a point lies, which cells are
+/// neighbours, and which rank owns a cell. Pair list, halo and rectilinear partition are built on
+/// it. In open directions the grid spans the segments. A segment that leaves the grid later counts
+/// in the outermost cell; neighbours still find each other there.
 #pragma once
 
 #include <petscdmda.h>

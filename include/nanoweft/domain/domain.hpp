@@ -1,4 +1,5 @@
-/// Distributes the segments: cell grid, ownership, order in memory, ghosts.
+/// Distributes the segments at every rebuild: lays the cell grid, gives each segment to a rank,
+/// sorts a rank's segments in memory, and gets the ghosts.
 #pragma once
 
 #include <memory>
@@ -12,7 +13,7 @@ namespace nanoweft {
 struct PartitionSettings {
   enum Kind { rectilinear, metis, automatic } kind = automatic;
   double tolerance =
-      1.05;        ///< largest work of a rank over the mean before the shares are made anew
+      1.05;        ///< shares are made anew when a rank's work exceeds the mean by this factor
   int piece = 32;  ///< segments in a piece of fibre that METIS keeps together
 };
 
@@ -26,14 +27,14 @@ class Domain {
   /// alike). Bond partners are found however long the bond.
   void rebuild(State& state, double range, double cell, const std::vector<double>* known);
 
-  /// The work that the shares of the last rebuild turned out to be.
+  /// Takes note of the work that this rank's share has after a rebuild. Collective.
   void noteWork(const State& state, double ownWork);
 
   Halo& halo() { return halo_; }
   const CellGrid& grid() const { return *grid_; }
   /// Local index of a row, owned or ghost, or -1.
   int localIndex(std::int64_t row) const { return local_.at(row); }
-  /// Local index of the other segment of a tie of segment i: fibres mostly run on in memory.
+  /// Local index of the other segment of a tie of segment i, which mostly lies next to i in memory.
   int partner(const State& state, int i, const Tie& tie) const {
     const int guess = tie.first ? i + 1 : i - 1;
     return guess >= 0 && guess < state.local() && state.row[guess] == tie.row ? guess
@@ -57,8 +58,8 @@ class Domain {
 
   PartitionSettings settings_;
   std::unique_ptr<Partitioner> partitioner_;
-  bool metis_ = false, fresh_ = false;  ///< fresh: the last rebuild made the shares by known work
-  double imbalance_ = 1.0, reached_ = 1.0;
+  bool metis_ = false, fresh_ = false;      ///< fresh: the shares were made from measured work
+  double imbalance_ = 1.0, reached_ = 1.0;  ///< reached: imbalance when the shares were new
   std::unique_ptr<CellGrid> grid_;
   IndexMap local_;
   Halo halo_;

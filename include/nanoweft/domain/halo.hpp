@@ -1,8 +1,9 @@
-/// Ghosts: copies of other ranks' segments within a range of this rank's, and of bond partners.
+/// The halo: ghosts, copies of other ranks' segments in range of a rank's own or bonded to them.
 ///
-/// Ranks meet through the cell directory: each tells the owners of cells where it has segments and
-/// where it wants to see some; the owners tell the holders who wants them. Nobody holds a table of
-/// all ranks or segments, and any assignment of segments to ranks works.
+/// Ranks find each other through the owners of cells. Each rank tells the owners in which cells it
+/// has segments and in which cells it needs those of others. The owner of a cell tells the ranks
+/// that have segments there which ranks need them. No rank holds a table of all ranks or segments,
+/// and any assignment of segments to ranks works.
 #pragma once
 
 #include <petscsf.h>
@@ -24,10 +25,11 @@ class Halo {
   /// Collective.
   void build(State& state, const CellGrid& grid, double range);
 
-  /// Brings up to date what changes every step; what lies between begin and end overlaps with it.
+  /// Bring the ghosts' fields that change every step up to date. Work done between begin and end
+  /// overlaps with the communication.
   void refreshBegin(State& state);
   void refreshEnd(State& state);
-  /// The same for what is asked for: velocities, which only viscous damping needs.
+  /// Brings the ghosts' velocities up to date, which only viscous damping needs.
   void refreshVelocities(State& state);
 
  private:

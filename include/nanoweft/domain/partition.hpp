@@ -1,4 +1,4 @@
-/// Who owns which segment. A partitioner is one object with one method.
+/// Partitioners: they decide which rank owns which segment.
 #pragma once
 
 #include <vector>
@@ -25,8 +25,9 @@ class RectilinearPartitioner final : public Partitioner {
                           bool) override;
 };
 
-/// METIS divides the graph of chain pieces: runs of consecutive segments, weighted by their work
-/// and tied by bonds and closeness. Segments stay where they are until the shares are unequal.
+/// METIS divides the graph of chain pieces. A piece is a run of consecutive segments, weighted by
+/// its work; edges join pieces that are bonded or close. Segments stay on their ranks until the
+/// shares are unequal.
 ///
 /// The graph of pieces is gathered on rank 0: about 300 bytes a piece in a dense fabric, so 1e8
 /// segments in pieces of 32 need 1 GB there.

@@ -1,4 +1,4 @@
-/// What bonds see of the segments of a state. Whatever evaluates bonds asks here.
+/// The geometry of bonds, read from the state: of one bond, or of a bond in each SIMD lane.
 #pragma once
 
 #include "nanoweft/fibre/bond.hpp"
@@ -7,12 +7,12 @@
 
 namespace nanoweft {
 
-/// Of the bond between the segments with local indices i and j, which follows i.
+/// Geometry of the bond between the segments with local indices i and j; j follows i.
 inline BondGeometry<double> bondGeometry(const State& s, const MinimumImage& nearest, int i,
                                          int j) {
   return {nearest(s.position(j) - s.position(i)), s.orientation(i), s.orientation(j)};
 }
-/// Of `laneCount` bonds, one a lane.
+/// Geometry of `laneCount` bonds, one a lane.
 NW_INLINE BondGeometry<Lanes> bondGeometry(const State& s, const MinimumImage& nearest,
                                            const std::int32_t* i, const std::int32_t* j) {
   return {nearest(gatherPositions(s.pose, j) - gatherPositions(s.pose, i)),

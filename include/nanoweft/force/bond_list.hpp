@@ -1,4 +1,5 @@
-/// The intact bonds of this rank's segments, by thread, and their forces.
+/// The bond list: the intact bonds of this rank's segments, sorted by the thread that evaluates
+/// them; it adds their forces and drops the bonds that break.
 #pragma once
 
 #include <optional>
@@ -18,16 +19,16 @@ struct BondTally {
   ExactSum released;  ///< energy of the bonds that broke
   SumUnit energyUnit;
   std::vector<std::int64_t> broken;  ///< rows of the first segments of bonds that broke just now
-  bool someBroke = false;            ///< of the thread's list, also those counted elsewhere
+  bool someBroke = false;  ///< in the thread's list; the owner of the first segment counts a break
 };
 
 class BondList {
  public:
-  /// Which of a thread's bonds: those among its own segments, those with other threads' segments,
-  /// those with ghosts.
+  /// A thread's bonds by their second owner: both segments are the thread's own, one is another
+  /// thread's (shared), or one is a ghost (outer).
   enum Part { own, shared, outer };
 
-  /// What evaluating bonds takes.
+  /// What an evaluation of bonds needs.
   struct Terms {
     const EvmBond& law;
     const MinimumImage& nearest;
@@ -37,12 +38,13 @@ class BondList {
   void build(const State& state, const Domain& domain, const std::vector<Share>& shares,
              const std::optional<BreakageLaw>& law);
 
-  /// Adds to force and torque of a thread's segments those of their bonds.
+  /// Adds the forces and torques of one part of a thread's bonds to the thread's segments.
   void add(State& state, const Terms& terms, int thread, Share share, Part part, BondTally& tally);
 
-  /// The thread's own bonds one stretch after the other, for somebody who goes through its
-  /// segments: adds those of segments below `end` that have not been added since `rewind`; few are
-  /// left for the next time, none when `end` is that of the share.
+  /// For a caller that goes through the thread's segments in order: `addUpTo` adds the thread's own
+  /// bonds between segments below `end` that have not been added since `rewind`. It evaluates full
+  /// SIMD groups only, so up to laneCount - 1 bonds wait for the next call; none wait when `end` is
+  /// the end of the share.
   void rewind(int thread) { threads_[static_cast<std::size_t>(thread)].next = 0; }
   void addUpTo(State& state, const Terms& terms, int thread, Share share, std::int32_t end,
                BondTally& tally);
@@ -55,8 +57,8 @@ class BondList {
     double critical;
   };
   struct ThreadBonds {
-    std::vector<Entry> parts[3];  ///< of the own ones, the higher index rises
-    std::size_t next = 0;         ///< of the own ones
+    std::vector<Entry> parts[3];  ///< by Part; the own bonds ascend by max(i, j), for addUpTo
+    std::size_t next = 0;         ///< the first own bond that addUpTo has not added yet
   };
   static void dropBroken(std::vector<Entry>& bonds, BondTally& tally);
   void add(State& state, const Terms& terms, Share share, std::vector<Entry>& bonds,

@@ -1,4 +1,4 @@
-/// All forces between segments: bonds and pairs, over threads and ranks.
+/// The force field: evaluates all forces of bonds and pairs, on all threads and ranks.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace nanoweft {
 
-/// What one evaluation found on this rank; sums are completed over the ranks by whoever reports.
+/// What one evaluation found on this rank. The observers that report sums add them over the ranks.
 struct ForceOutcome {
   ExactSum stretch, shear, bending, torsion, pair;  ///< when energies were asked for
   ExactSum released;                                ///< energy of bonds that broke
@@ -38,13 +38,13 @@ class ForceField {
 
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
-  /// To be called when a segment has `moved` by its list: no pair is missing afterwards.
-  /// Collective.
+  /// To be called when ListKeeper::moved is true of some segment: draws the pairs anew, or makes
+  /// the lists anew, so that no pair is missing. Collective.
   void refresh(State& state, Domain& domain);
 
   /// Sets State::force and torque of the owned segments (and viscous, with viscous damping).
-  /// Collective. Throws std::logic_error when the pair forces of the evaluation before have not
-  /// been handed over.
+  /// Collective. Throws std::logic_error when the pair forces of the last evaluation still wait for
+  /// a ForcePass.
   ForceOutcome evaluate(State& state, Halo& halo, const ForceRequest& request);
 
   const Fibre& fibre() const { return settings_.fibre; }
@@ -65,7 +65,7 @@ class ForceField {
   void addPairs(const State& state, std::size_t thread, bool outer, Tallies& tallies);
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);
   void clear(State& state, std::size_t thread) const;
-  /// Adds the summed pair forces on segments begin <= i < end to the others.
+  /// Adds the summed pair forces on segments begin <= i < end to State::force and torque.
   void handOver(State& state, std::int32_t begin, std::int32_t end);
   void handOverViscous(State& state, Share share) const;
   void notePairs(const Tallies& tallies);
@@ -74,18 +74,19 @@ class ForceField {
   MinimumImage nearest_;
   SumUnit energyUnit_;
   ListKeeper lists_;
-  std::vector<BondTally> followed_;  ///< what a ForcePass found, a thread each
-  bool bondsKnown_ = false;          ///< State::force holds all that a ForcePass can know
-  bool owed_ = false;                ///< pair forces wait in sums_
+  std::vector<BondTally> followed_;  ///< what the threads of a ForcePass found in their bonds
+  bool bondsKnown_ = false;          ///< a ForcePass has added the threads' own bonds already
+  bool owed_ = false;                ///< pair forces wait in sums_ for a ForcePass
   std::vector<ForceSum> sums_;
   std::vector<std::int64_t> viscousSums_;  ///< [6] a segment
   std::int64_t resolved_ = 0;
   PetscLogEvent rebuildEvent_, bondEvent_, pairEvent_, haloEvent_;
 };
 
-/// One pass over the owned segments, between two evaluations, for what moves them: it hands over
-/// pair forces that an evaluation left in its sums (ForceRequest::complete), and adds the bond
-/// forces of the positions to come, both while a segment is in the cache.
+/// One pass over the owned segments between two evaluations, made by the stepper that moves them.
+/// It does two things while a segment is in the cache anyway: before the segment moves, it adds the
+/// pair forces that the last evaluation left in its sums (ForceRequest::complete); after the move,
+/// it adds the bond forces at the new positions.
 ///
 /// Each thread goes through its share in order. It calls `handOver` for a group of segments before
 /// it uses their forces. When it has moved them it sets their forces to zero and calls `moved`.

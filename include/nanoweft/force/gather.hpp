@@ -1,4 +1,4 @@
-/// Positions and orientations of `laneCount` segments from their pose records, a segment a lane.
+/// Loads positions or orientations of `laneCount` segments from their poses, a segment a lane.
 #pragma once
 
 #include <cstdint>

@@ -1,11 +1,11 @@
-/// Soft repulsion without adhesion: u(r) = K (2 rf - r)^(5/2) where fibres overlap, else zero; u is
-/// the energy of two segments of length 2 rf, so w = u/(2 rf)^2 per length squared.
+/// The Hertz pair law, repulsion without adhesion: u(r) = K (2 rf - r)^(5/2) where fibres overlap,
+/// else zero. u is the energy of two segments of length 2 rf, w = u/(2 rf)^2 per length squared.
 ///
-/// Two fibres crossed at a right angle, an overlap d deep, press each other apart with
-/// 2 pi r w(r) = pi K d^(5/2)/rf (d << rf), bodies of the same shape after Hertz with
-/// (4/3) E* sqrt(rf) d^(3/2). `hertzStiffness` makes both equal for an overlap of rf/10, the
-/// deepest that a fibre should see: shallower contacts are softer than Hertz's. 1/E* = 2 (1 -
-/// nu^2)/E with the modulus across the axis.
+/// Two fibres crossed at a right angle with an overlap d repel each other by the force
+/// 2 pi r w(r) = pi K d^(5/2)/rf (d << rf). Hertz's theory gives (4/3) E* sqrt(rf) d^(3/2) for
+/// bodies of that shape, 1/E* = 2 (1 - nu^2)/E with the modulus E across the axis.
+/// `hertzStiffness` makes both equal at an overlap of rf/10, the deepest that a fibre should see;
+/// shallower contacts are softer than Hertz's.
 #pragma once
 
 #include <cmath>
@@ -28,7 +28,7 @@ inline double hertzStiffness(double young, double poisson, double radius) {
 class Hertz {
  public:
   using Kernel = Hertz;
-  static constexpr bool couples = false;  ///< distances near zero would be less exact
+  static constexpr bool couples = false;  ///< coupled points would round distances near zero more
 
   Hertz(double stiffness, double radius) : stiffness_(stiffness), contact_(2.0 * radius) {}
 

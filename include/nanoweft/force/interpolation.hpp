@@ -1,4 +1,4 @@
-/// Polynomials through a function at Chebyshev points.
+/// Polynomials through a function's values at Chebyshev points, for the tables of pair laws.
 #pragma once
 
 #include <array>

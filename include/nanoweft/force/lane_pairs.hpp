@@ -1,6 +1,6 @@
-/// Pairs in the order in which the kernel takes them: a SIMD lane has a first segment and meets its
-/// partners one after the other, so that a first segment is read, and its sum written, once for
-/// many pairs.
+/// Pairs in the order in which the SIMD pair kernel takes them: each lane keeps one first segment
+/// and goes through its partners one after the other. The kernel then reads a first segment, and
+/// writes the force on it, once for many pairs.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,19 @@
 
 namespace nanoweft {
 
-/// First segments, and how many partners each has; the first lane has most.
+/// The first segments of the lanes, and how many partners each has. The first lane has most.
 struct LaneGroup {
   std::int32_t first[laneCount], count[laneCount];
 
   std::int32_t depth() const { return count[0]; }
 };
 
-/// Groups, and their partners: for one group after the other `depth` rows, a lane each. Lanes that
-/// have no partner left repeat some pair, which does not count.
+/// Groups and their partners. The partners of one group are `depth` rows of `laneCount` indices, a
+/// column a lane. Where a lane has no partner left, its column is padded with some partner; the
+/// kernel leaves out the padding.
 struct LaneView {
   std::span<const LaneGroup> groups;
-  const std::int32_t *partners, *end;  ///< end: of what may be looked at ahead
+  const std::int32_t *partners, *end;  ///< end: the kernel prefetches partners up to here
 
   std::int64_t pairs() const;
 };
@@ -35,10 +36,10 @@ class LanePairs {
   };
 
   void clear();
-  /// Takes in a segment with its partners.
+  /// Stores a first segment and its partners until `arrange`.
   void add(std::int32_t first, std::span<const std::int32_t> partners);
-  /// Puts those taken in since the last time into groups. Segments with as many partners go
-  /// together, since lanes wait for the longest.
+  /// Puts the segments added since the last call into groups. Segments with about as many partners
+  /// share a group, since a group takes as long as its longest lane.
   void arrange();
 
   Place end() const { return {groups_.size(), partners_.size()}; }
@@ -52,7 +53,7 @@ class LanePairs {
 
   std::vector<LaneGroup> groups_;
   std::vector<std::int32_t> partners_;
-  // Not arranged yet:
+  // Added and not arranged yet: first segments, and the partners of all of them.
   std::vector<Run> runs_;
   std::vector<std::int32_t> taken_;
 };

@@ -1,9 +1,10 @@
-/// Keeps the lists of bonds and pairs up to date while segments move: when they have to be made
-/// anew, and how wide their skin is.
+/// Keeps the lists of bonds and pairs up to date while segments move: it decides when the lists are
+/// made anew and how wide their skin is.
 ///
-/// The pair list holds all pairs in reach plus a skin. From it the pairs that a step looks at are
-/// drawn, all in reach plus a thinner margin: a new drawing is cheap, a new list is not. Skin and
-/// margin are tuned while running; no result depends on them.
+/// The pair list (pair_list.hpp) holds all pairs within reach plus a skin. The pairs that a step
+/// goes through are drawn from it: all within reach plus a margin, which is thinner than the skin.
+/// A new drawing is cheap, a new list is not. Skin and margin are tuned while running; no result
+/// depends on them.
 #pragma once
 
 #include <optional>
@@ -33,12 +34,12 @@ class ListKeeper {
 
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
-  /// Something besides motion has changed what belongs into them: they must be made anew in the
-  /// next step.
+  /// Marks the lists as out of date for another reason than motion (bonds changed, say): the next
+  /// step makes them anew.
   void outdate() { outdated_ = true; }
   bool outdated() const { return outdated_; }
-  /// After a segment has `moved`: draws the present pairs anew, provided that the list still has
-  /// them all. Otherwise returns false, on all ranks: rebuild. Collective.
+  /// After a segment has `moved`: lets the next evaluation draw its pairs anew. Returns false, on
+  /// all ranks, if the list may lack a pair: then the caller has to rebuild it. Collective.
   bool redraw(const State& state);
 
   /// Has the segment, now at `x`, moved so far that a pair might be missing from the drawn ones?
@@ -56,9 +57,9 @@ class ListKeeper {
   double range() const { return pair_ ? pair_->reach() + skin_ : 0.0; }
   std::int64_t rebuilds() const { return rebuilds_; }
 
-  /// The margin with which the evaluation to come has to draw its pairs, once; 0: not at all.
+  /// The margin with which the next evaluation has to draw its pairs, once; 0: they still hold.
   double takeDrawing();
-  /// An evaluation has been made; `drawing`: seconds of it that went into drawing.
+  /// Notes that an evaluation has been made, and that drawing took `drawing` seconds of it.
   void noteEvaluation(double drawing);
 
  private:
@@ -80,10 +81,10 @@ class ListKeeper {
   Settings settings_;
   const PairForce* pair_;
   MinimumImage nearest_;
-  double skin_, skinLimit_;  ///< of the list
+  double skin_, skinLimit_;  ///< of the pair list
   double margin_;            ///< of the drawn pairs
   bool outdated_ = false;
-  bool draw_ = false;  ///< the next evaluation draws them
+  bool draw_ = false;  ///< the next evaluation draws its pairs anew
   PairList pairs_;
   BondList bonds_;
   std::vector<Share> shares_;
@@ -91,10 +92,10 @@ class ListKeeper {
   std::vector<double> reference_;  ///< [3]: where they were at the drawing
   std::vector<double> work_;
   std::int64_t rebuilds_ = 0;
-  // Since the last rebuild, for tuning the skin.
+  // Counted since the last rebuild, to tune the skin.
   double drawSeconds_ = 0, rebuildSeconds_ = 0;
   std::int64_t evaluations_ = 0;
-  std::int64_t drawStep_ = -1;  ///< step of the last drawing, for tuning the margin
+  std::int64_t drawStep_ = -1;  ///< step of the last drawing, to tune the margin
 };
 
 }  // namespace nanoweft

@@ -1,13 +1,13 @@
-/// How deep fibres run into each other.
+/// Finds the deepest overlap of two fibres: the pair of listed segments whose axes are closest.
 #pragma once
 
 #include "nanoweft/force/force_field.hpp"
 
 namespace nanoweft {
 
-/// The two segments whose axes come closest, between their outermost points.
+/// The two segments whose axes, each taken between its outermost quadrature points, are closest.
 struct Overlap {
-  double distance;  ///< infinite when no two are as close as was asked
+  double distance;  ///< of the axes; infinite when no pair is as close as asked for
   std::int64_t row[2], fibre[2];
   std::int32_t index[2];
 };

@@ -1,4 +1,5 @@
-/// Pairs drawn from a list, for the steps until some segment has moved by half a margin.
+/// Draws from the pair list, which has a wide skin, the pairs that the next steps resolve: all that
+/// can come within reach before some segment has moved by half a margin.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +12,14 @@
 
 namespace nanoweft {
 
-/// Of the pairs in reach when drawn, those that stay at one side of the range where fewer points
-/// take over are resolved without looking at their distance: out of reach they would do no harm.
+/// The drawn pairs. Near and far pairs cannot leave their side of the range in which fewer
+/// quadrature points take over, so every step resolves them without looking at their distance; if
+/// they drift out of reach, they add zero. All other pairs form the rim.
 struct DrawnPairs {
-  LanePairs near, far;        ///< with all points, with fewer
-  std::vector<ListPair> rim;  ///< the others that may be in reach: to be sifted by their distance
-  /// Where all end for one stretch of the list after the other: what belongs to a stretch is
-  /// resolved together, since its segments are in the cache.
+  LanePairs near, far;        ///< resolved with all points, with fewer points
+  std::vector<ListPair> rim;  ///< every step looks at their distance (pair_sift.hpp)
+  /// Where near, far and rim pairs of one chunk of the list end. The pairs of a chunk are resolved
+  /// together, while its segments are in the cache.
   struct Ends {
     LanePairs::Place near, far;
     std::size_t rim;
@@ -25,10 +27,10 @@ struct DrawnPairs {
   std::vector<Ends> ends;
 };
 
-/// Distances of centres that a drawing goes by.
+/// Centre distances by which a drawing tells near, far and rim pairs apart.
 struct DrawRanges {
   Switch blend;   ///< where fewer points take over; at infinity when they do not
-  double reach;   ///< of the forces
+  double reach;   ///< centre distance beyond which a pair has no force
   double margin;  ///< no segment moves farther than half of this until the next drawing
 };
 

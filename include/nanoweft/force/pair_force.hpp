@@ -1,14 +1,13 @@
-/// Forces between segments of different fibres: a law w(r), an energy per length squared, summed
-/// over n points on each axis:
+/// The interface of pair forces between segments of different fibres. A pair law w(r), an energy
+/// per length squared, is summed over n quadrature points on each axis:
 ///
 ///     U_ij = (T^2/n^2) sum_a sum_b w(|p_jb - p_ia|),   p_ia = x_i + (a - (n-1)/2) T/n e1_i
 ///
-/// What two fibres feel therefore does not depend on T beyond the error of the sum. The laws' code
-/// holds u = T^2 w.
-/// Pairs far apart may use fewer points; pair_sift.hpp says how one sum gives way to the other.
-/// Laws are chosen by name; a new one is a header like hertz.hpp, an entry in pair_force_read.cpp
-/// and a makePairForce in pair_force.cpp, which holds the kernels' instances and takes long to
-/// compile.
+/// Therefore the force between two fibres does not depend on T beyond the quadrature error. The
+/// code of a law computes u = T^2 w. Pairs far apart may use fewer points; pair_sift.hpp says how
+/// one sum gives way to the other. Laws are chosen by name. A new law is a header like hertz.hpp,
+/// an entry in pair_force_read.cpp and a makePairForce in pair_force.cpp; that file instantiates
+/// the kernels and takes long to compile.
 #pragma once
 
 #include <cstdint>
@@ -35,12 +34,12 @@ struct ViscousDamping {
   explicit operator bool() const { return linear > 0 || angular > 0; }
 };
 
-/// A thread's share of the pair sum. Sums go to the segments begin <= k < end alone, as integer
-/// multiples of the force's units, so their order does not matter.
+/// One thread's share of the pair sum. The thread adds forces to its segments begin <= k < end
+/// alone. The sums are integer multiples of the force's units, so their order does not matter.
 struct PairJob {
   const double* pose;              ///< [8] a segment
-  const DrawnPairs* drawn;         ///< those within reach are resolved
-  std::int32_t begin, end, spare;  ///< spare: a record of `sum` for what goes to other segments
+  const DrawnPairs* drawn;         ///< the pairs that the thread resolves
+  std::int32_t begin, end, spare;  ///< spare: record of `sum` that takes forces on other segments
   ForceSum* sum;
   const MinimumImage* nearest;
   // With viscous damping only:
@@ -55,8 +54,8 @@ struct PairJob {
 struct PairTally {
   ExactSum energy;  ///< unit: energyUnit of the force field
   SumUnit energyUnit;
-  std::int64_t resolved = 0;    ///< pairs in reach
-  std::int64_t pointPairs = 0;  ///< of those pairs
+  std::int64_t resolved = 0;    ///< pairs that the kernel has resolved
+  std::int64_t pointPairs = 0;  ///< point pairs in those
 };
 
 /// Energy of a pair and the force on its first segment.
@@ -65,7 +64,7 @@ struct PairAction {
   Vec3d force;
 };
 
-/// How many points a segment has, for pairs near and far.
+/// How many quadrature points a segment has in near pairs and in far pairs.
 struct PointChoice {
   int near = 3, far = 3;
   Switch blend;  ///< centre distances where `far` takes over; at infinity when it never does
@@ -73,7 +72,7 @@ struct PointChoice {
 
 inline constexpr int mostPairPoints = 9;
 
-/// What a law says of itself.
+/// Properties of a law that other code asks for.
 struct PairTraits {
   std::string description;      ///< name and parameters with units
   double cutoff = 0;            ///< distance of points beyond which there is no force
@@ -83,10 +82,10 @@ struct PairTraits {
   double largestForce = 0;      ///< bound of |u'|
 };
 
-/// How a law is summed.
+/// Settings of the sum that are the same for all laws.
 struct PairChoice {
   PointChoice points;
-  int exclude = 20;
+  int exclude = 20;   ///< segments of one fibre interact from this many places apart
   double length = 0;  ///< T of a segment
   bool single = false;
 };
@@ -95,14 +94,14 @@ class PairForce {
  public:
   virtual ~PairForce() = default;
 
-  /// Draws from a list what `add` goes through until a segment has moved by half the margin.
+  /// Draws from a list the pairs that `add` resolves until a segment has moved by half the margin.
   void draw(const PairRuns& listed, const double* pose, const MinimumImage& nearest, double margin,
             DrawnPairs& drawn) const {
     drawPairs(listed, pose, nearest, {points_.blend, reach_, margin}, drawn);
   }
-  /// Adds the pairs' forces; `tally.energy` too when `energies`.
+  /// Adds the forces of the drawn pairs to job.sum and, when `energies`, their energy to the tally.
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
-  /// One pair on its own, `separation` = x_j - x_i: for what looks at the pairs now and then.
+  /// Resolves one pair by itself, for observers and estimates; `separation` = x_j - x_i.
   virtual PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
   /// The same with `n` points a segment, however far it is; ei, ej: axes.
   virtual PairAction average(int n, const Vec3d& separation, const Vec3d& ei,
@@ -141,8 +140,8 @@ bool singlePrecisionPays();
 std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units,
                                          const Fibre& fibre);
 
-/// Distance of two fibres that touch under the preset's usual law with its usual parameters: where
-/// they lie in a scene without pair forces.
+/// Resting distance of two fibres under the preset's law with its default parameters. A scene
+/// without pair forces lays its fibres at this distance.
 double usualRestDistance(const Fibre& fibre, const UnitSystem& units);
 
 }  // namespace nanoweft

@@ -1,4 +1,4 @@
-/// The pair sum, a SIMD lane per pair: n x n point pairs, integer sums.
+/// The pair kernel: a pair's sum over its n x n point pairs, one pair in each SIMD lane.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct PointSums {
   V f{}, a{}, b{}, ab{}, energy{};
 };
 
-/// How the two axes of a pair lie: all that distances of their points depend on.
+/// Dot products of a pair's separation and axes: all that the distances of its points depend on.
 template <class V>
 struct PairShape {
   V center2, alongI{}, alongJ{}, cosine{};
@@ -50,9 +50,9 @@ NW_INLINE V squaredDistance(const PairShape<V>& shape, double sa, double sb) {
   return from2 + sb * (sb + 2.0 * (shape.alongJ - sa * shape.cosine));
 }
 
-/// Distances of points follow from dot products, so that a point pair costs little more than its
-/// force. With Law::couples, points of j on both sides of its centre are taken together and share
-/// most of the sums.
+/// Sums a law over the points of a pair. Distances of points follow from the dot products in
+/// `shape`, so that a point pair costs little more than its force. With Law::couples, two points of
+/// j that lie symmetrically to its centre are taken together and share most of the arithmetic.
 template <bool Energies, int N, class Law, class V>
 NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<V>& shape) {
   PointSums<V> sums;
@@ -108,9 +108,9 @@ struct KernelUnits {
   double length, cutoff, force, torque;
 };
 
-/// Force and torques of the means over N x N points, in units of the sums; the energy in units of
-/// the force times one length. (Scaled with the few sums over points instead of all components;
-/// powers of two change no bits.)
+/// Force and torques of a pair (means over N x N points) in units of the integer sums; its energy
+/// in the unit of force times one length. The few sums over points are scaled instead of all
+/// components; since units are powers of two, that changes no bits.
 template <int N, class V>
 NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const KernelUnits& units,
                                  const Vec3<V>& separation, const Vec3<V>& ei, const Vec3<V>& ej) {
@@ -139,12 +139,12 @@ NW_INLINE PairResult<V> resolvePair(const Law& law, const KernelUnits& units,
   return assemble<N>(sums, units, separation, ei, ej);
 }
 
-/// First segments of a group, a partner of each at a time.
+/// One row of a group: in each lane the first segment and one of its partners.
 template <int N>
 struct LaneRow {
   const LaneGroup& group;
   const std::int32_t* j;
-  int place;  ///< among the partners
+  int place;  ///< which of the partners
   Vec3<Lanes> separation, ei, ej{};
 
   NW_INLINE LaneRow(const PairJob& job, const LaneGroup& g, const Vec3<Lanes>& xi,
@@ -157,12 +157,12 @@ struct LaneRow {
     if constexpr (N > 1) ej = axis1(gatherOrientations(job.pose, j));
   }
   NW_INLINE PairShape<Lanes> shape() const { return shapeOf(separation, ei, ej); }
-  /// Lanes whose first segment has no partner left do not count.
+  /// False for padding lanes, those whose first segment has no partner left.
   NW_INLINE bool counts(int lane) const { return place < group.count[lane]; }
 };
 
-/// Viscous forces of those pairs of a row of which points are within the cutoff (model.md 5).
-/// Not inlined: seldom used, it would take registers from the rest.
+/// Viscous forces of those pairs of a row that have points within the cutoff (model.md 5).
+/// Not inlined, since it is seldom used and would take registers from the kernel.
 template <int N>
 [[gnu::noinline]] void addViscous(const PairJob& job, const KernelUnits& units,
                                   const LaneRow<N>& row) {
@@ -194,7 +194,7 @@ template <int N>
   }
 }
 
-/// A group with the sums of its first segments, which are handed over at the end.
+/// A group and the sums of forces on its first segments, which `close` writes to memory.
 template <bool Energies, int N>
 class LaneSums {
  public:
@@ -238,17 +238,19 @@ class LaneSums {
         if (row.counts(k) && job_.mine(group_.first[k]))
           tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)],
                            tally.energyUnit);
-    // A blended pair comes twice; its damping acts once.
+    // A blended pair comes twice, fading and rising, but its damping must act once.
     if (job_.viscousSum && weight.kind != Weight::rising) addViscous(job_, units, row);
   }
 
   NW_INLINE void close() const { put(group_.first, total_); }
 
  private:
+  /// Adds the lanes' sums to the segments' records, or to the spare one for others' segments.
   NW_INLINE void put(const std::int32_t* segments, const LaneIntegers* sums) const {
     Row rows[laneCount];
     toRows<N == 1 ? 3 : 6>(sums, rows);
-    // Places just computed would be slow to load: only where there are any.
+    // `segments` serve as record numbers unless a lane needs the spare record: numbers that have
+    // just been stored as a vector are slow to load one by one.
     const LaneNumbers s = loadNumbers(segments);
     const LaneNumbers others = (s < job_.begin) | (s >= job_.end);
     if (none(others)) return addRows(job_.sum, segments, rows);
@@ -265,7 +267,7 @@ class LaneSums {
   LaneIntegers total_[6]{};
 };
 
-/// Second segments lie anywhere: what will be read and written of them is fetched in time.
+/// Prefetches poses and sums of the partners eight rows ahead, which may lie anywhere in memory.
 NW_INLINE void fetchAhead(const PairJob& job, const std::int32_t* partners,
                           const std::int32_t* end) {
   constexpr int ahead = 8 * laneCount;
@@ -273,11 +275,12 @@ NW_INLINE void fetchAhead(const PairJob& job, const std::int32_t* partners,
   for (int k = 0; k < laneCount; ++k) {
     const auto partner = static_cast<std::size_t>(partners[ahead + k]);
     __builtin_prefetch(job.pose + 8 * partner);
-    __builtin_prefetch(job.sum + partner, 1);  // even if that of a ghost is not there
+    // A ghost has no record; prefetching beyond the end of the array is harmless.
+    __builtin_prefetch(job.sum + partner, 1);
   }
 }
 
-/// Adds pairs, N points on each axis; `weight` multiplies their energies.
+/// Adds the forces of pairs with N points on each axis; `weight` multiplies the pairs' energies.
 template <bool Energies, int N, class Law>
 void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
               const LaneView& pairs, const PairJob& job, PairTally& tally) {
@@ -296,8 +299,8 @@ void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
   }
 }
 
-/// The same with the sums over points in single precision, two rows at a time. Distances of centres
-/// and axes before, forces and torques after them are in doubles.
+/// As addPairs, with the sums over points in single precision, two rows at a time. Centre distances
+/// and axes before the sums, and forces and torques after them, are in double precision.
 template <bool Energies, int N, class Law>
 void addPairsSingle(const Law& shared, const KernelUnits& units, const Weight& weight,
                     const LaneView& pairs, const PairJob& job, PairTally& tally) {

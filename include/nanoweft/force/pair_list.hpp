@@ -1,10 +1,13 @@
-/// The list of segment pairs within reach plus a skin, and the threads' shares of it.
+/// The pair list (Verlet list): all pairs of segments within reach plus a skin, a list for each
+/// thread.
 ///
-/// A list costs more than several steps, so it has a wide skin; from it, at little cost, a shorter
-/// one with a thinner skin is drawn now and then, and that is what most steps go through.
+/// A list costs as much as several steps, so its skin is wide and it serves for long. Steps do not
+/// go through the list itself, but through the pairs drawn from it with a thinner skin
+/// (pair_draw.hpp).
 ///
-/// Each thread owns a run of segments and sums all forces on them: a pair between two threads (or
-/// with a ghost) stands in both lists and is resolved twice, so nobody writes to another's segment.
+/// Each thread owns a range of segments and alone sums the forces on them. A pair of two threads'
+/// segments therefore stands in both threads' lists and is resolved twice. So is a pair of two
+/// ranks' segments, with a ghost on either rank.
 #pragma once
 
 #include <vector>
@@ -15,33 +18,33 @@
 
 namespace nanoweft {
 
-/// A thread's run of owned segments.
+/// The owned segments of one thread: begin <= i < end.
 struct Share {
   std::int32_t begin = 0, end = 0;
 };
 
-/// Cuts the owned segments into one run a thread, with about equal numbers of neighbours.
+/// Cuts the owned segments into one range a thread, with about equal numbers of neighbours.
 std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const CellIndex& cells,
                                  int threads);
 
 class PairList {
  public:
-  /// Lists all pairs whose centres are within `range`, but for neighbours along a fibre closer than
-  /// `exclude` places that have never been apart (State::gap).
+  /// Lists all pairs whose centres are within `range`. Left out are pairs of one fibre less than
+  /// `exclude` places apart, unless they have been apart since a bond between them broke
+  /// (State::gap).
   void build(const State& state, const CellGrid& grid, const CellIndex& cells,
              const std::vector<Share>& shares, double range, int exclude);
 
-  /// A thread's pairs without ghosts, then those with.
+  /// A thread's pairs in two parts: inner pairs without a ghost, outer pairs with one.
   template <class Pairs>
   struct Parts {
     Pairs inner, outer;
   };
   const std::vector<Parts<PairRuns>>& threads() const { return threads_; }
-  /// Those of them that a step has to look at.
+  /// The pairs that steps resolve, drawn from `threads`.
   std::vector<Parts<DrawnPairs>>& drawn() { return drawn_; }
   std::int64_t size() const;
-  /// Adds to each owned segment half of a pair for each that it is in, as it would be if all
-  /// segments were owned.
+  /// Adds half a pair to pairs[i] for each listed pair that the owned segment i is in.
   void count(std::vector<double>& pairs) const;
 
  private:
@@ -50,11 +53,11 @@ class PairList {
   std::vector<Share> shares_;
 };
 
-/// Places from segment i on to segment j of the same fibre the shorter way (negative: back), or
-/// nothing when they belong to different fibres. Around a closed fibre the shorter way counts.
 inline bool sameFibre(const State& s, int i, int j) {
   return s.row[i] - s.chain[2 * i] == s.row[j] - s.chain[2 * j];
 }
+/// Places from segment i to segment j of the same fibre along its chain, negative backwards; in a
+/// closed fibre by the shorter way.
 inline int placesOn(const State& s, int i, int j) {
   int places = s.chain[2 * j] - s.chain[2 * i];
   if (s.bond[i] & fibreClosed) {

@@ -1,4 +1,5 @@
-/// Pairs of segments, those with the same first segment in a row.
+/// A compact list of segment pairs: pairs with the same first segment are stored as one run, the
+/// first segment followed by its partners. The pair list is stored in this form.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +9,8 @@
 
 namespace nanoweft {
 
-/// Two local indices; the first has the lower row, so both sides of a rank boundary compute alike.
+/// Local indices of two segments, that with the lower row first: so two ranks that both resolve a
+/// pair do it in the same order and get the same bits.
 struct ListPair {
   std::int32_t i, j;
 };
@@ -20,7 +22,7 @@ class PairRuns {
     std::span<const std::int32_t> partners;
   };
 
-  /// Makes runs of pairs of segments below `segments`; the order of partners stays.
+  /// Makes runs of pairs whose indices are below `segments`, partners in the order of `pairs`.
   void set(std::span<const ListPair> pairs, int segments);
 
   std::size_t runs() const { return first_.size(); }
@@ -29,7 +31,7 @@ class PairRuns {
     return {first_[k], {partners_.data() + begin, end_[k] - begin}};
   }
   std::size_t pairs() const { return partners_.size(); }
-  /// The end of all partners: what may be looked at ahead.
+  /// The end of all partners: code that prefetches must not read beyond it.
   const std::int32_t* end() const { return partners_.data() + partners_.size(); }
 
   template <class Visit>

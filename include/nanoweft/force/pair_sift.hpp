@@ -1,8 +1,8 @@
-/// Pairs sifted by the distance of their centres: those in reach, packed into blocks that are
-/// resolved with all points (near), with fewer points (far), or with both, weighted, where one
-/// gives way to the other:
+/// Sorts pairs by centre distance at every step: drops those out of reach and packs the others into
+/// blocks of one class, which the kernel resolves with all points (near), with fewer points (far),
+/// or, between the two ranges, with both and weights (blended):
 ///
-///     U = (1 - w) U_n + w U_m,   w = 0 below Blend::from, 1 beyond Blend::to, C2 between.
+///     U = (1 - w) U_n + w U_m,   w = 0 below Switch::from, 1 beyond Switch::to, C2 between.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@
 
 namespace nanoweft {
 
-/// Packed pairs: as lanes, first segments with one partner each.
+/// A block of packed pairs as the kernel takes them: in each lane a first segment with one partner.
 class PairBlock {
  public:
   static constexpr int capacity = 128;
 
   int count() const { return count_; }
   void clear() { count_ = 0; }
-  /// Takes in the chosen lanes; there has to be room for a whole group.
+  /// Appends the pairs of the chosen lanes. There must be room for `laneCount` pairs.
   void put(unsigned chosen, const std::int32_t* i, const std::int32_t* j);
-  /// Fills up the last group with repetitions of a pair that do not count.
+  /// Pads the last group with repetitions of its last pair, which the kernel leaves out.
   LaneView close();
 
  private:
@@ -35,7 +35,7 @@ class PairBlock {
   alignas(64) std::int32_t i_[capacity], j_[capacity];
 };
 
-/// What a pair's energy is multiplied with: nothing, 1 - w or w of its centre distance.
+/// The weight of a pair's energy: 1 (whole), 1 - w (fading) or w (rising) of its centre distance.
 struct Weight {
   enum Kind { whole, fading, rising } kind = whole;
   Switch blend;
@@ -62,10 +62,10 @@ class PairSift {
   /// `blend`: where fewer points take over; at infinity when they do not.
   PairSift(const double* pose, const MinimumImage& nearest, const Switch& blend, double reach);
 
-  /// The pairs to go on with; those before have to be used up.
+  /// Sets the pairs to be sorted next. `next` must have returned null for those before.
   void goOn(std::span<const ListPair> pairs) { pairs_ = pairs; }
-  /// The next block and its class, or nothing. Pairs are held back until they fill a block or are
-  /// the `last` ones.
+  /// The next block and its class, or null when more pairs are needed to fill one. With `last`,
+  /// blocks that are not full are handed out too.
   PairBlock* next(Class& which, bool last);
 
  private:
@@ -76,7 +76,7 @@ class PairSift {
   const MinimumImage& nearest_;
   double from2_, to2_, reach2_;
   std::span<const ListPair> pairs_;
-  PairBlock* given_ = nullptr;  ///< handed out last
+  PairBlock* given_ = nullptr;  ///< the block handed out last, to be cleared by the next call
   PairBlock blocks_[3];
 };
 

@@ -1,5 +1,5 @@
-/// A pair law as a table of polynomials in the squared distance: no root, no division, no power and
-/// no branch is left for the pair kernel, whatever the law.
+/// A pair law as a table of polynomials in the squared distance. The pair kernel evaluates it
+/// without root, division, power or branch, whatever the law.
 ///
 /// The quantity tabulated is f(s) = u'(r)/r with s = r^2, by polynomials of degree four in equal
 /// parts of octaves; the energy is their integral, u(s) = -1/2 int_s f, so that energy and force
@@ -8,8 +8,8 @@
 /// tenth, where fibres have passed through each other, the force is rounded off to stay finite.
 ///
 /// A row is four doubles, half a cache line, since loading rows is most of a point pair's work. The
-/// fourth holds the two highest coefficients, 20 bits of each, which is more than their share of
-/// the value needs: read as a double it is c3, its lower half moved up is c4.
+/// fourth double holds the two highest coefficients: read as it stands it is c3, its lower half
+/// moved up is c4. Each keeps 20 bits, more than its share of the value needs.
 #pragma once
 
 #include <array>
@@ -28,12 +28,12 @@ struct PairValue {
   V energy, slope;
 };
 
-/// What evaluating a table takes, with its constants as V: kernels make them vectors once, instead
-/// of at every use.
+/// A table to be evaluated. Its constants are of the type V: a kernel makes them SIMD vectors once
+/// instead of at every use.
 template <class V>
 class PairRows {
  public:
-  /// As kernels prefer it (pair_kernel.hpp).
+  /// Points are summed in couples (sumPoints in pair_kernel.hpp).
   static constexpr bool couples = true;
 
   double cutoff() const { return cutoff_; }
@@ -75,8 +75,9 @@ class PairRows {
   static constexpr int columns = 4, bits = 9;
   static constexpr double first = 0.5;
 
-  /// Maps s to the scaled distance y: below the inner join [1/2, 1), beyond it from 1 on, steeper,
-  /// so that the higher of the two lines is the right one. Parts are finest at contact.
+  /// Maps s linearly to the scaled distance y. Below the inner join y lies in [1/2, 1), beyond it
+  /// from 1 on. The second line is steeper, so the right line is always the higher of the two.
+  /// Parts are finest just beyond y = 1, at contact.
   struct Zone {
     V scale, shift;
   };
@@ -85,8 +86,8 @@ class PairRows {
   NW_INLINE auto rowOf(const V& s, V& t) const {
     const V inside = multiplyAdd(s, zones_[0].scale, zones_[0].shift),
             outside = multiplyAdd(s, zones_[1].scale, zones_[1].shift);
-    // What is not a number finds the last row. Round-off below zero distance finds the spare row
-    // before the first.
+    // A NaN gets the last row. A distance that round-off makes negative gets the spare row before
+    // the first.
     const V y = smaller(larger(inside, outside), last_);
     V begin;
     const auto place = octavePart<bits, columns>(y, begin);
@@ -102,8 +103,8 @@ class PairRows {
   double cutoff_;
   V last_;
   Zone zones_[2];
-  // Rows of coefficients; of the energy and half of ds/dt. Both as if the row of y = 0 were there,
-  // since rows are counted from that one.
+  // Rows of coefficients, and rows of the energy and half of ds/dt. Both pointers point to where
+  // the row of y = 0 would be, since rows are counted from that one.
   const double *table_, *energies_;
 };
 

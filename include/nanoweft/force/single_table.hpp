@@ -1,8 +1,8 @@
-/// A pair law's table for single precision: so few pieces that they are looked up in registers
-/// instead of memory, which is most of a point pair's work in doubles.
+/// A pair law's table in single precision. It has so few pieces that the kernel keeps them in
+/// registers; in double precision, most of a point pair's work is to load rows from memory.
 ///
 /// Squared distances are counted from that of the inner join, `origin`: forces are steepest there,
-/// so rounding has to be least.
+/// so distances near it must be rounded least.
 ///
 /// Tabulated are f(s) = u'(r)/r, s = r^2, and the energy, both by polynomials of degree seven in
 /// quarters of octaves of a scaled distance y: [1/2, 1) below the inner join, [1, 32) up to the
@@ -22,11 +22,11 @@ struct SingleColumns {
   ShortColumn slope[terms], energy[terms];
 };
 
-/// With its constants as V, as PairRows has them.
+/// A table to be evaluated, with constants of the type V (as in PairRows).
 template <class V>
 class SingleRows {
  public:
-  static constexpr bool couples = false;  ///< registers would not suffice
+  static constexpr bool couples = false;  ///< couples would need too many registers
 
   double origin() const { return origin_; }
   float cutoff2() const { return cutoff2_; }
@@ -65,7 +65,7 @@ class SingleRows {
   NW_INLINE auto placeOf(const V& s, V& t) const {
     auto line = [&](const Zone& z) { return multiplyAdd(s, z.scale, z.shift); };
     const V near = select(s < zones_[1].begin, line(zones_[0]), line(zones_[1]));
-    // What is not a number finds the last part.
+    // A NaN gets the last part.
     const V y = smaller(select(s < zones_[2].begin, near, line(zones_[2])), V(last));
     return octavePart<bits>(y, t);
   }

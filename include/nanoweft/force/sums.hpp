@@ -1,4 +1,4 @@
-/// Sums of pair forces: a record of integers a segment.
+/// The records in which the pair kernel sums the forces on segments, as integers.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct alignas(64) ForceSum {
   std::int64_t at[8];
 };
 
-/// Adds a row to each of the records at `place`. Lanes that share one wait for each other.
+/// Adds the row of each lane to the record that `place` names for it; lanes may name the same one.
 NW_INLINE void addRows(ForceSum* sum, const std::int32_t* place, const Row* rows) {
 #pragma GCC unroll 8
   for (int k = 0; k < laneCount; ++k) {

@@ -1,5 +1,6 @@
-/// Van der Waals adhesion between fibres with a linear repulsion at contact (model.md 4.1; Table
-/// 2 and eq. (5) of the paper, with the splice settled), as a function of the gap between surfaces:
+/// The van der Waals pair law: adhesion as a function of the gap between surfaces, with a linear
+/// repulsion at contact (model.md 4.1; Table 2 and eq. (5) of the paper, which leaves open where
+/// the two are spliced):
 ///
 ///     v(r) = 4 eps (A / D^alpha - B / D^beta),  D = (r - 2 rf)/lambda
 ///     u(r) = v(r)                                          r >  rs
@@ -7,7 +8,7 @@
 ///
 /// `smooth`: rs is where v'' = 2k, so the stiffness is continuous too; `kink`: rs is the minimum of
 /// v. A C2 switch takes the energy to zero between -pair_switch and -pair_cutoff. u is the energy
-/// of two segments of length 2 lambda; `of` makes it that of two segments of any length.
+/// of two segments of length 2 lambda; VdwParameters::of converts it to segments of any length.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
-/// What acts on named groups of segments from outside: prescribed motion, forces and torques, and
-/// the ready-made pair of grips of the tension test.
+/// Boundary conditions, which act on named groups of segments: prescribed motion, forces and
+/// torques, and the ready-made pair of grips of the tension test.
 #pragma once
 
 #include <array>

@@ -24,7 +24,7 @@ inline constexpr int mostExcludeWithBreakage = 64;
 /// Pairs are checked every so many steps: a number that no schedule of rebuilds changes.
 inline constexpr int gapCheckInterval = 10;
 
-/// Spreads what happens in a run.
+/// Tells all ranks which bonds have broken, and lets the pairs interact that a break separates.
 class Breaks {
  public:
   /// `exclude`: closer neighbours along a fibre do not interact; 0 without pair forces.
@@ -36,10 +36,11 @@ class Breaks {
   }
   /// Has this rank noted some that the others do not know?
   bool waiting() const { return !rows_.empty(); }
-  /// Marks their neighbourhoods on all ranks; sets previousBroken. Collective.
+  /// Tells all ranks of the noted bonds: marks the pairs that they separate (State::gap), and sets
+  /// previousBroken. Collective.
   void spread(State& state);
-  /// Lets pairs interact that a break separates and that are out of reach now. True when there were
-  /// some on this rank: the lists must be made before they come into reach again.
+  /// Lets the separated pairs interact that are out of reach now. Returns true when there were some
+  /// on this rank; the lists must then be made anew before these pairs come into reach again.
   bool release(State& state, const ForceField& forces, const Domain& domain) const;
 
  private:
@@ -47,7 +48,7 @@ class Breaks {
   std::vector<std::int64_t> rows_;
 };
 
-/// The same for the bonds that a state came with. Collective.
+/// As Breaks::spread, for the broken bonds of a state that has just been read. Collective.
 void spreadOldBreaks(State& state, int exclude);
 
 }  // namespace nanoweft

@@ -1,12 +1,14 @@
 /// The minimiser FIRE (Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006) on top of Verlet.
 ///
-/// After each step the velocities are turned towards the forces; as long as the motion goes
-/// downhill the step grows, and as soon as it goes uphill all stop. Translation and rotation are
-/// one: in the coordinates sqrt(m) x, sqrt(I) phi the velocity is (sqrt(m) v, sqrt(I) w), its
-/// square twice the kinetic energy, and the force (F/sqrt(m), T/sqrt(I)). So FIRE takes kinetic
-/// energy out by a known amount, which goes to the account `damped`.
+/// After each step the velocities are turned towards the forces. As long as the motion goes
+/// downhill in energy the step grows; as soon as it goes uphill all velocities are set to zero.
 ///
-/// Its decisions are made from exact sums over all segments, so they do not depend on ranks.
+/// FIRE sees translation and rotation as one motion with the coordinates sqrt(m) x, sqrt(I) phi.
+/// The velocity is then (sqrt(m) v, sqrt(I) w), its square twice the kinetic energy, and the force
+/// is (F/sqrt(m), T/sqrt(I)). So the kinetic energy that a turn takes out is known; it goes to the
+/// account `damped`.
+///
+/// All decisions follow from exact sums over all segments, so they do not depend on ranks.
 #pragma once
 
 #include "nanoweft/motion/verlet.hpp"
@@ -31,7 +33,7 @@ class Fire : public Stepper {
   void restore(const RunRecord& record) override;
 
  private:
-  /// What a step's end says of the way downhill, over all ranks.
+  /// Sums over all segments at a step's end: force times velocity, and the squares of both.
   struct Slope {
     double power, speed2, force2;
   };

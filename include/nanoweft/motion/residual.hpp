@@ -1,4 +1,5 @@
-/// Forces and torques that nothing balances: bonds, pairs and loads, where no boundary holds.
+/// The residual of a segment: the force and torque of bonds, pairs and loads on it, less components
+/// that a boundary holds. It is zero in equilibrium.
 #pragma once
 
 #include "nanoweft/force/force_field.hpp"
@@ -11,10 +12,10 @@ struct Residual {
   double force[3], torque[3];
 };
 
-/// Adds the loads at State::time and clears what is held.
+/// Adds the loads at State::time and sets the components that a boundary holds to zero.
 void applyBoundaries(Residual& residual, const State& state, const Boundaries& boundaries, int i);
 
-/// Of the owned segment i, with State::force and torque as they were last evaluated.
+/// Residual of the owned segment i, with State::force and torque as they were last evaluated.
 inline Residual residualOf(const State& state, const Boundaries& boundaries, int i) {
   const double* f = state.force + 3 * i;
   const double* t = state.torque + 3 * i;

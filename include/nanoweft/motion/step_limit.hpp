@@ -1,4 +1,4 @@
-/// The largest stable step of velocity Verlet, from the stiffness that is there: dt < 2/omega_max.
+/// Estimates the largest stable step of velocity Verlet: dt < 2/omega_max, the highest frequency.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace nanoweft {
 /// Longest step over the stable one, for a stepper that adapts its step.
 inline constexpr double adaptedShare = 0.9;
 
-/// What a run knows of its stable step; 0: nothing yet.
+/// A run's estimates of its stable step: the first, the lowest, the latest; 0: none yet.
 struct StepLimits {
   double first = 0, lowest = 0, present = 0;
 

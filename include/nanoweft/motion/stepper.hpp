@@ -1,5 +1,5 @@
-/// How a run goes from one step to the next. A stepper is one file and one line in stepper.cpp's
-/// table.
+/// The interface of steppers, the algorithms that take a run from one step to the next (velocity
+/// Verlet, FIRE). A new one is one file and one line in stepper.cpp's table.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ namespace nanoweft {
 
 /// What the motion of a step did on this rank.
 struct DriftReport {
-  bool stale = false;     ///< a segment left its half of the skin
+  bool stale = false;     ///< a segment moved so far that a drawn pair may be missing
   bool unstable = false;  ///< a segment moved too far in one step, or is not a number
 };
 
@@ -29,12 +29,13 @@ class Stepper {
   /// First half of a step: moves all segments and advances State::time and step. The forces must
   /// be evaluated next, with ForceRequest::complete false.
   virtual DriftReport move(System& system) = 0;
-  /// Second half, with the forces at the new places. Unless the step's end is `seen`, it may be
-  /// left to the next `move`: until then velocities are half a step old and forces lack the pairs.
+  /// Second half of a step, with the forces at the new positions. `seen`: some observer looks at
+  /// this step's end. If none does, the stepper may leave this half to the next `move`; until then
+  /// velocities are half a step old and State::force lacks the pair forces.
   virtual void finish(System& system, bool seen) = 0;
 
-  /// Does its step follow the stable limit? Only then `limit` may be called: no step will be
-  /// longer than this from now on.
+  /// Does its step follow the stable limit? Only then `limit` may be called, after which no step is
+  /// longer than `dt`.
   virtual bool adapts() const { return false; }
   virtual void limit(double /*dt*/) {}
   /// Steps may be as long as this from now on.
@@ -48,7 +49,7 @@ class Stepper {
 /// A value of -relax_method.
 struct StepperKind {
   std::string name, title;  ///< as an option's value, and for people
-  bool minimises;  ///< it looks for rest: it brings its own damping, and its time is not physical
+  bool minimises;           ///< it seeks equilibrium with its own damping; its time is not physical
   /// `dt`: the step, or the longest where it adapts; `localDamping`: c of F -> F - c|F| sign(v).
   std::unique_ptr<Stepper> (*make)(const Fibre& fibre, double dt, double localDamping);
 };

@@ -1,4 +1,4 @@
-/// The parts of a run that move, act and are looked at together.
+/// The parts of a run that steppers and observers work on, in one struct of references.
 #pragma once
 
 #include "nanoweft/base/exact_sum.hpp"

@@ -30,7 +30,7 @@ struct Tension {
   /// Engineering strain at `time`: what was before, and the integral of the ramped velocity.
   double strain(double time) const;
 
-  /// What the options say, where they say it.
+  /// What the options say; empty where they are not given.
   struct Asked {
     std::optional<int> axis;
     std::optional<double> grip, width, thickness;
@@ -45,7 +45,7 @@ struct Tension {
   /// Takes up the test of an earlier stage, which `time` ends. Throws InputError for options that
   /// contradict it as well.
   void goOn(const RunRecord& record, double time);
-  /// Writes down what the two need; `time` is the present.
+  /// Writes down what `restore` and `goOn` need; `time` is the present.
   void save(RunRecord& record, double time) const;
 };
 

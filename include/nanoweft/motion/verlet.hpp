@@ -1,11 +1,11 @@
 /// Velocity Verlet with exact rotation, damping and constraints (model.md 5 and 6).
 ///
 /// A step is: half kick, drift, [forces], half kick. Damping acts in each half kick on the force
-/// and velocity of that moment, so a state is complete with positions and velocities.
+/// and velocity of that moment, so positions and velocities are all that a restart needs.
 ///
-/// Energy accounts are kept by half kick: with dv the change of the velocity and the mean velocity
-/// in between, force times mean velocity times dt/2 is exactly the work that the kick does. So
-/// kinetic + potential + damped + broken - external drifts with Verlet's own error alone.
+/// Each half kick books its work: the force times the mean of the velocities before and after the
+/// kick times dt/2 is exactly the kinetic energy that it adds. So kinetic + potential + damped +
+/// broken - external drifts with Verlet's own error alone.
 #pragma once
 
 #include "nanoweft/motion/stepper.hpp"
@@ -20,8 +20,8 @@ class Verlet : public Stepper {
   double dt() const override { return dt_; }
   void setStep(double dt) { dt_ = dt; }
 
-  /// Both half kicks around a step's end and the drift go through memory once, as far as nobody
-  /// looks in between.
+  /// First makes the second half kick of the last step, if `finish` has left it: both half kicks
+  /// and the drift then take one pass through memory.
   DriftReport move(System& system) override;
   void finish(System& system, bool seen) override;
 

@@ -1,6 +1,6 @@
-/// Pairs one by one, for what is evaluated now and then: the forces of a step have their own,
-/// faster ways. Right after an evaluation of the forces only, while lists and ghosts are those of
-/// the moment.
+/// Visits the interacting pairs one by one, for observers that look at them now and then (stress,
+/// fields of the segments). Only right after an evaluation of the forces, while lists and ghosts
+/// are up to date.
 #pragma once
 
 #include "nanoweft/domain/domain.hpp"
@@ -14,8 +14,8 @@ inline Vec3d separationOf(const State& state, const ForceField& forces, int i, i
   return forces.nearest()(state.position(j) - state.position(i));
 }
 
-/// Calls visit(pair, x_j - x_i) for the pairs in reach that a thread lists, those of two threads or
-/// ranks for either.
+/// Calls visit(pair, x_j - x_i) for the pairs in reach that a thread lists. A pair of two threads'
+/// or ranks' segments is listed, and visited, by both.
 template <class Visit>
 void forEachPair(const State& state, const ForceField& forces, std::size_t thread,
                  const Visit& visit) {

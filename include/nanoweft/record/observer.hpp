@@ -1,8 +1,9 @@
-/// What looks at a run while it goes on: tables, snapshots, checkpoints, progress, watches, ends.
+/// The interface of observers: objects that look at a run while it goes on, write it down or end it
+/// (tables, snapshots, checkpoints, progress, watches, ends).
 ///
-/// A run has a list of observers and does the same with each of them, in the list's order. A new
-/// one is one file and one line in app/observers.cpp. All calls but `wishes` are made on all ranks
-/// alike, so they may be collective.
+/// A run calls all observers in the order of its list. A new one is one file and one line in
+/// app/observers.cpp. All calls but `wishes` are made on all ranks alike, so they may be
+/// collective.
 #pragma once
 
 #include <optional>
@@ -91,8 +92,8 @@ class Observer {
   /// Takes its files for this run alone. Throws InputError. Their content does not change yet.
   virtual void claim(const OutputContext&) {}
   virtual void open() {}
-  /// Takes up what a checkpoint says, or what an earlier stage does whose tension test goes on.
-  /// Throws InputError for what is missing.
+  /// `restore` takes up what a checkpoint says; `restoreStage` what the file of an earlier stage
+  /// says whose tension test goes on. Both throw InputError for what is missing.
   virtual void restore(const RunRecord&) {}
   virtual void restoreStage(const RunRecord&) {}
   /// Why the restarted run has nothing to do, in words that follow its name; or nothing.
@@ -102,8 +103,8 @@ class Observer {
 
   /// At the first state, which has all energies.
   virtual void begin(const Moment&) {}
-  /// Does this rank wish to be heard? A wish of one rank is a wish of all: they `hear` it before
-  /// the step's forces are computed.
+  /// Has this rank something to tell the others (a signal, the time)? If any rank has, `hear` is
+  /// called on all ranks before the step's forces are computed.
   virtual bool wishes(const Moment&) { return false; }
   virtual void hear() {}
   /// What it looks at in the step that is being made; State::step and time are those of its end.
@@ -120,7 +121,7 @@ class Observer {
   /// Prints lines for the summary of a run that has made steps.
   virtual void summarise(const Moment&) const {}
 
-  // Whenever the run is written down.
+  // Whenever a file for a later stage, or a checkpoint, is written.
 
   virtual void saveStage(RunRecord&) const {}
   virtual void save(RunRecord&) const {}

@@ -1,4 +1,5 @@
-/// -stress_monitor: a table of the stress in a tension test; and the strength, with or without it.
+/// -stress_monitor: a table of the stress in a tension test. The observer also finds the strength
+/// (the largest stress) for the summary, with or without a table.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,6 @@
-/// What stands in the file of a table: lines that begin with `#` and say where it comes from, the
-/// names of the columns, and a row every so many steps. Functions here are not collective.
+/// The format of a table's file, and its check before a restart goes on with it. Lines that begin
+/// with `#` say where the table comes from; then come the names of the columns, then a row every so
+/// many steps. Functions here are not collective.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +23,9 @@ struct TableHead {
   std::vector<TableStretch> stretches;  ///< a restart may have changed the interval
   std::string columns;                  ///< names, as they stand there
   std::int64_t end = 0;                 ///< bytes up to the first row
-  long long lines = 0;                  ///< up to there
+  long long lines = 0;                  ///< lines up to the first row
 
-  /// As it stands in the file.
+  /// The head as it stands in the file.
   std::string text() const;
   /// The first step after `step` that has a row.
   std::int64_t nextRow(std::int64_t step) const;
@@ -38,9 +39,9 @@ struct TableRows {
   std::string problem;     ///< why the table cannot be gone on with, or nothing
 };
 
-/// Looks at every row up to `restartStep`: whole, finite numbers, none missing, none twice. Later
-/// rows do not stay, nor does one that only closed the run at `restartStep`, unless `ends`: a run
-/// that makes no step.
+/// Checks every row up to `restartStep`: complete, with finite numbers, none missing, none twice.
+/// Later rows do not stay. Nor does a row that is at `restartStep` only because the earlier run
+/// ended there, unless the restart makes no step (`ends`).
 TableRows checkTableRows(int descriptor, const TableHead& head, std::int64_t restartStep,
                          bool ends);
 

@@ -1,9 +1,9 @@
-/// A monitor that records rows of numbers where an option says, in PETSc's syntax of viewers:
+/// A monitor writes rows of numbers where an option says, in PETSc's syntax of viewers:
 ///
 ///     -energy_monitor ascii:energy.csv     comma-separated file (or `ascii`: the terminal)
 ///     -energy_monitor draw                 line graph, live (-draw_pause, -draw_save as in PETSc)
 ///
-/// Files are written here and not by PETSc, so that no row is lost: see LockedFile.
+/// nanoweft writes the files itself, through LockedFile, so that no row is lost.
 #pragma once
 
 #include <petscdraw.h>
@@ -24,7 +24,7 @@ namespace nanoweft {
 struct TableRun {
   Provenance provenance;
   std::optional<Provenance>
-      checkpoint;          ///< of what a restart goes on from; it may have another step
+      checkpoint;          ///< of the restart's checkpoint; its time step may be another one
   bool overwrite = false;  ///< tables of other runs may be replaced
   bool restart = false;
   bool ends = false;  ///< no step will be made

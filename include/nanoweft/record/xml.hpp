@@ -8,7 +8,7 @@ namespace nanoweft {
 /// Is this UTF-8 with characters that may stand in one line of an XML document?
 bool isXmlText(const std::string& text);
 
-/// For an attribute's value or an element's text.
+/// The text with escapes, as an attribute's value or an element's text.
 std::string xmlEscaped(const std::string& text);
 
 /// A comment that holds these lines, whatever is in them, and the lines of one at the beginning of

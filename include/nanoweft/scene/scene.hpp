@@ -1,4 +1,5 @@
-/// Where the segments come from. A scene is one file and one line in scene.cpp's table.
+/// The interface of scenes, which make the segments that a run starts from (a weave, one fibre, a
+/// state file). A new one is one file and one line in scene.cpp's table.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-/// Datasets whose rows lie on all ranks, written by the first.
+/// Writes datasets whose rows are spread over all ranks into an HDF5 file that rank 0 has open.
 #pragma once
 
 #include <mpi.h>

@@ -1,5 +1,6 @@
-/// What is known of each segment, in one table: the state holds these fields, its file keeps them,
-/// ghosts carry some. To add a field takes a pointer in `SegmentFields` and a line in `fields`.
+/// The fields of a segment (pose, velocity, force, ...) in one table, which says for each whether
+/// state files keep it and whether ghosts carry it. To add a field takes a pointer in
+/// `SegmentFields` and a line in `fields`.
 #pragma once
 
 #include <petscdmswarm.h>

@@ -1,5 +1,5 @@
-/// Is there memory for the segments, before it is asked for: a rank that finds none later would
-/// leave the others waiting.
+/// Checks that there is memory for the segments before it is allocated: a rank that fails to
+/// allocate later would leave the others waiting.
 #pragma once
 
 #include <mpi.h>

@@ -31,9 +31,10 @@ std::string differenceOfRuns(const Provenance& other, const Provenance& mine);
 /// remembered: `claimTarget` compares.
 void refuseForeignTarget(MPI_Comm comm, const std::string& file, const ReplaceRule& rule);
 
-/// What a write to `file` by the run `mine` may replace: what `refuseForeignTarget` found there or
-/// this process has put there since; without either nothing but a state file of the same run. The
-/// reason, when that is not what stands there. Not collective; for the rank that writes.
+/// Sets `replaced` to what stands under the name, and checks that the run `mine` may replace it:
+/// the file that `refuseForeignTarget` found or that this process has put there since or, where
+/// neither is known, a state file of the same run. Returns why it may not, or nothing. Not
+/// collective; for the rank that writes.
 std::string claimTarget(const std::string& file, const Provenance& mine, FileIdentity& replaced);
 /// Remembers that this process put `written` under the name.
 void noteTarget(const std::string& file, const FileIdentity& written);

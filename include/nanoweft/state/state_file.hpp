@@ -1,5 +1,6 @@
 /// The state file (HDF5): geometry input, snapshot, checkpoint and final state are one layout.
-/// Rows are ordered by (fibre, index) whatever the number of ranks. The layout stands in README.md.
+/// Rows are ordered by (fibre, index) whatever the number of ranks. src/manual/file_format.md has
+/// the layout.
 ///
 /// The SHA-256 of the whole file stands in its HDF5 user block, so a damaged file is refused on
 /// reading; a file without it is one that a person made. Datasets carry HDF5's Fletcher-32 besides.

@@ -1,4 +1,4 @@
-/// What a look at a whole state file finds, before its rows are read.
+/// The check of a state file as a whole, before its rows are read.
 #pragma once
 
 #include <string>

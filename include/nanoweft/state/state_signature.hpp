@@ -1,5 +1,5 @@
-/// The digest that a state file carries in its HDF5 user block, the bytes before all that HDF5
-/// knows of: one line of text with the SHA-256 of all behind.
+/// The digest of a state file: one line of text with the SHA-256 of all bytes behind the user
+/// block. It stands in that block, the first bytes of an HDF5 file, which HDF5 leaves to the user.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace nanoweft {
 /// Size of the user block.
 inline constexpr int signatureBytes = 512;
 
-/// Puts the digest of all behind into the user block of a file that is open for reading and
-/// writing. Returns 0, or the errno of what failed.
+/// Puts the digest of all bytes behind the user block into it. The file must be open for reading
+/// and writing. Returns 0, or the errno of what failed.
 int signFile(int descriptor);
 
 struct SignatureCheck {

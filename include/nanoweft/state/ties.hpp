@@ -1,4 +1,4 @@
-/// Which segments a segment is bonded to.
+/// The ties of a segment: its bonds, broken or not, to other segments.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ struct Tie {
   bool broken = false;
 };
 
-/// The few ties of one segment.
+/// The ties of one segment, two at most.
 class Ties {
  public:
   void add(const Tie& tie) { ties_[count_++] = tie; }
