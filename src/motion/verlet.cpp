@@ -303,7 +303,7 @@ DriftReport Verlet::move(System& system) {
 
 void Verlet::finish(System& system, bool seen) {
   State& state = system.state;
-  // Viscous forces belong to the velocities that the kick brings.
+  // Runs with viscous damping make each kick at its step.
   owed_ = !seen && !state.viscous;
   if (owed_) return;
   const auto actions = actionsAt(system.boundaries, state.time, state.time);

@@ -57,9 +57,22 @@ NW_INLINE float select(bool condition, float a, float b) {
 template <class T, class Abi>
 NW_INLINE stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition,
                                     const stdx::simd<T, Abi>& a, const stdx::simd<T, Abi>& b) {
+#if defined(__clang__) && defined(__AVX512F__)
+  // In clang 16 an assignment through `where` of libstdc++ 12 changes nothing.
+  unsigned bits = 0;
+  for (std::size_t k = 0; k < condition.size(); ++k)
+    bits |= static_cast<unsigned>(condition[k]) << k;
+  if constexpr (sizeof(T) == sizeof(double))
+    return stdx::simd<T, Abi>(_mm512_mask_blend_pd(
+        static_cast<__mmask8>(bits), static_cast<__m512d>(b), static_cast<__m512d>(a)));
+  else
+    return stdx::simd<T, Abi>(_mm512_mask_blend_ps(static_cast<__mmask16>(bits),
+                                                   static_cast<__m512>(b), static_cast<__m512>(a)));
+#else
   stdx::simd<T, Abi> result = b;
   where(condition, result) = a;
   return result;
+#endif
 }
 
 NW_INLINE bool anyOf(bool condition) {

@@ -52,7 +52,7 @@ class Axes:
     def sums(options):
         """What `independent` needs of the options."""
         far = None
-        if "pair_far_points" in options:
+        if options.get("pair_far_points", options["pair_points"]) < options["pair_points"]:
             far = (options["pair_far_points"], options["pair_far_from"], options["pair_far_width"])
         return {"splice": options["vdw_splice"], "switch": options["pair_switch"],
                 "cutoff": options["pair_cutoff"], "far": far}

@@ -118,7 +118,7 @@ def curves(rows, axis, file, xlabel, ylabel="relative error"):
     for k, (scene, measure) in enumerate(kinds):
         line = sorted(((r["relative_cost"], r["error"]) for r in of
                        if (r["scene"], r["measure"]) == (scene, measure)))
-        axes.plot(*zip(*line), marker="osD"[scenes.index(scene)], ms=5, lw=1.2,
+        axes.plot(*zip(*line), marker="osD^vPX"[scenes.index(scene)], ms=5, lw=1.2,
                   color=COLOURS[k % len(COLOURS)], label=f"{scene}: {measure}")
     named = {r["setting"]: r["relative_cost"] for r in of}
     for name, cost in named.items():

@@ -52,6 +52,8 @@ class Program:
         self.count = itertools.count()
 
     def run(self, options: Options, *more: str) -> Printed:
+        if options.get("pair_points"):  # settings without far points have none, whatever the default
+            options = {"pair_far_points": options["pair_points"], **options}
         words = [*option_words.words(options), *more]
         done = runs.run(words)
         if done.returncode:
