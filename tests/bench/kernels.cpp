@@ -7,8 +7,10 @@
 #include <random>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/fibre/material.hpp"
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/pair_force.hpp"
 #include "nanoweft/force/pair_list.hpp"
