@@ -1,6 +1,7 @@
 """The error of each setting."""
 
 import math
+import threading
 
 import numpy as np
 
@@ -218,7 +219,7 @@ class Axes:
         position = np.zeros((self.FIBRES, bonds + 1, 3))
         position[:, :, 0] = np.arange(bonds + 1) * T * (1 + self.STRAIN)
         position[:, :, 1] = 40.0 * np.arange(self.FIBRES)[:, None]
-        file = self.folder / f"stretched{T:g}.h5"
+        file = self.own_file(f"stretched{T:g}.h5")
         q = rotations.no_rotation(bonds + 1)
         states.write(file, states.of_fibres([(fibre, q) for fibre in position], [-100] * 3,
                                             [500, 40 * self.FIBRES, 100]))
@@ -228,9 +229,15 @@ class Axes:
             "break_strain_std": self.DEVIATION})
         return state["bond_broken"].reshape(self.FIBRES, -1).any(axis=1).mean()
 
+    def own_file(self, name):
+        """A file that no run beside this one writes."""
+        folder = self.folder / f"{threading.get_ident()}"
+        folder.mkdir(exist_ok=True)
+        return folder / name
+
     def stress(self, T):
         """Stress of a sparse weave at 5 %, GPa: the same piece, cut into segments of T."""
-        file = self.folder / f"stress{T:g}.csv"
+        file = self.own_file(f"stress{T:g}.csv")
         self.program.run({
             "scene": "weave", "weave_fibres": "4,4", "weave_segments": round(60 * LENGTH / T),
             "weave_pitch": 195,
