@@ -37,7 +37,7 @@ class OutputFile {
  public:
   enum class Temporary { nameless, named };
   /// Makes an empty file without a name in the folder of `file`, or where the file system cannot do
-  /// that, one named FILE.tmp-XXXXXX. `problem()` says when that failed.
+  /// that, one named FILE.tmp- and six letters. `problem()` says when that failed.
   explicit OutputFile(const std::string& file, Temporary wanted = Temporary::nameless);
   /// Removes the file unless it has been published.
   ~OutputFile();
