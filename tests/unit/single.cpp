@@ -79,6 +79,7 @@ TEST(Single, ForcesAreTheGradientOfTheEnergy) {
   for (double distance : {30.0, 32.0, 34.5, 37.0, 39.0}) {  // no contact: differences are accurate
     const auto pair = pairAt(distance, random);
     const Sum sum = evaluate(*force, pair);
+    ASSERT_GT(norm(sum.force[0]), 1e-5);
     // The energy's rounding over the interval, with 0.05 A (rad) for the smallest.
     const Rounding bound = rounding(3, pair[1].x - pair[0].x, axis1(pair[0].q), axis1(pair[1].q));
     const double allowed = 4 * bound.energy / 0.05 + 1e-5 * norm(sum.force[0]);
@@ -102,6 +103,9 @@ TEST(Single, ConservesMomentumAndAngularMomentumAsInDoubles) {
     const auto pair = pairAt(distance, random);
     const Sum sum = evaluate(*force, pair);
     const double size = norm(sum.torque[0]) + distance * norm(sum.force[0]);
+    if (distance < 40) {
+      ASSERT_GT(size, 1e-4);
+    }
     EXPECT_EQ(norm(sum.force[0] + sum.force[1]), 0.0);
     EXPECT_LT(norm(sum.torque[0] + sum.torque[1] + cross(pair[1].x - pair[0].x, sum.force[1])),
               1e-12 * size + 100 * force->torqueUnit());
