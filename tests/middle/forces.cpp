@@ -95,7 +95,7 @@ TEST(Forces, LeftInTheirSumsCannotBeForgotten) {
 TEST(Lists, HaveAllPairsAfterSegmentsHaveMoved) {
   Tubes moved;
   // Further and further, by what needs no list, a new drawing, a new list.
-  for (const double way : {0.1, 1.0, 3.0, 9.0, 40.0}) {
+  for (const double way : {0.1, 1.0, 3.0, 9.0, 80.0}) {
     bool left = false;
     for (int i = 0; i < moved.state.owned(); ++i)
       if (moved.state.fibre[i] == 4) {

@@ -15,7 +15,7 @@
 
 namespace nanoweft::test {
 
-constexpr int tubeLength = 12, tubeCount = 9;
+constexpr int tubeLength = 16, tubeCount = 9;
 constexpr std::int64_t tubeRows = tubeCount * tubeLength;
 
 /// A number between -1 and 1 that belongs to a row.
