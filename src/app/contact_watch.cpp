@@ -28,16 +28,15 @@ class ContactWatch : public Observer {
 
 void ContactWatch::look(const Moment& moment) {
   const ForceField& forces = moment.system.forces;
-  if (warned_ || !forces.pair()) return;
-  const double radius = forces.fibre().radius;
-  const Overlap o = deepestOverlap(moment.state(), forces, (2.0 - deepest) * radius);
-  if (std::isinf(o.distance)) return;
+  if (warned_ || !forces.pairs()) return;
+  const Overlap o = deepestOverlap(moment.state(), forces, deepest);
+  if (std::isinf(o.depth)) return;
   warned_ = true;
   PetscPrintf(moment.state().comm(),
               "warning: step %lld: fibre %lld segment %d and fibre %lld segment %d overlap by %.0f "
               "%% of a radius; what the pair law says is doubtful there\n",
               static_cast<long long>(moment.step()), static_cast<long long>(o.fibre[0]), o.index[0],
-              static_cast<long long>(o.fibre[1]), o.index[1], 100.0 * (2.0 - o.distance / radius));
+              static_cast<long long>(o.fibre[1]), o.index[1], 100.0 * o.depth);
 }
 
 }  // namespace

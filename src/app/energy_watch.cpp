@@ -39,14 +39,13 @@ void EnergyWatch::observe(const Moment& moment) {
   const Energies &e = *moment.energies, &first = moment.first;
   if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
   if (alarm_ == 0) return;
-  const Fibre& fibre = moment.system.forces.fibre();
   // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
   // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
   // motion that made it is over. The last term keeps round-off of a scene at rest from an alarm.
   available_ = std::max(available_, first.elastic() + first.kinetic + first.rotational +
                                         std::abs(e.external - first.external) +
                                         std::abs(e.pair - first.pair) +
-                                        1e-9 * fibre.bond.stretch * fibre.length * fibre.length *
+                                        1e-9 * moment.system.forces.kinds().energyScale() *
                                             static_cast<double>(moment.state().total()));
   const double risen = e.balance() - first.balance();
   if (risen > alarm_ * available_)

@@ -10,7 +10,7 @@ namespace nanoweft {
 
 void throwUnstable(const Moment& moment, const UnitSystem& units, const std::string& sign) {
   const State& state = moment.state();
-  const double dt = moment.stepper.dt(), half = 0.5 * moment.system.forces.fibre().length;
+  const double dt = moment.stepper.dt();
   // The fastest segment of all ranks; a NaN counts as infinitely fast.
   struct {
     double distance;
@@ -20,6 +20,7 @@ void throwUnstable(const Moment& moment, const UnitSystem& units, const std::str
   for (int i = 0; i < state.owned(); ++i) {
     const double* v = state.velocity + 3 * i;
     const double* w = state.angular + 3 * i;
+    const double half = 0.5 * moment.system.forces.kinds()[state.kind(i)].length;
     const double slide = std::hypot(v[0], v[1], v[2]), turn = std::hypot(w[0], w[1], w[2]) * half;
     double distance = dt * std::max(slide, turn);
     if (!std::isfinite(slide) || !std::isfinite(turn))

@@ -19,46 +19,70 @@ namespace {
 /// Share of damping in the work of grips and loads beyond which the summary has a remark on it.
 constexpr double noticedDampingShare = 0.05;
 
+/// "cnt " in front of what belongs to the kind cnt; nothing where kinds have no names.
+std::string ofKind(const Fibre& f) {
+  return f.kind.empty() ? "" : f.kind + " ";
+}
+
 void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
   const EvmBond& b = f.bond;
   const std::string wall = f.wall > 0 ? format("wall %g %s", f.wall, units.length) : "solid";
   // By format(): PetscPrintf would put a point behind whole numbers.
   const std::string fibre = format(
-      "  fibre: from %s, radius %g %s, %s, E %g GPa, G %g GPa, density %.5g kg/m^3, %.5g %s a "
+      "  %sfibre: from %s, radius %g %s, %s, E %g GPa, G %g GPa, density %.5g kg/m^3, %.5g %s a "
       "length "
       "of 1 %s\n",
-      f.preset.c_str(), f.radius, units.length, wall.c_str(), f.young / units.gigapascal,
+      ofKind(f).c_str(), f.preset.c_str(), f.radius, units.length, wall.c_str(), f.young / units.gigapascal,
       f.shear / units.gigapascal, f.density() / units.kilogramPerCubicMetre,
       f.mass / units.mass / f.length, units.massName, units.length);
   PetscPrintf(comm, "%s", fibre.c_str());
   PetscPrintf(comm,
-              "  segment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 "
+              "  %ssegment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 "
               "%.5g, B3 %.5g, B4 %.5g\n",
-              f.length, units.length, f.mass / units.mass, units.massName, f.inertia / units.mass,
+              ofKind(f).c_str(), f.length, units.length, f.mass / units.mass, units.massName, f.inertia / units.mass,
               units.massName, units.length, b.stretch, b.shear, b.bending, b.torsion);
 }
 
-void printPairForces(MPI_Comm comm, const PairForce* p, const Fibre& fibre,
-                     const UnitSystem& units) {
-  if (!p) {
-    PetscPrintf(comm, "  pair forces: none\n");
-    return;
+/// "5" points, or "23 and 5" on the segments of two kinds.
+std::string pointsOf(Both<int> points, bool mixed) {
+  return mixed ? format("%d and %d", points.i, points.j) : format("%d", points.i);
+}
+
+void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kinds,
+                    const UnitSystem& units) {
+  const PairForce& p = *c.force;
+  const Fibre &a = kinds[c.first], &b = kinds[c.second];
+  const PointChoice& points = p.points();
+  const std::string far =
+      points.far != points.near
+          ? format(", %s beyond %g to %g %s", pointsOf(points.far, c.mixed()).c_str(),
+                   points.blend.from, points.blend.to, units.length)
+          : "";
+  const std::string between = a.kind.empty() ? "" : " " + a.kind + "-" + b.kind;
+  PetscPrintf(comm, "  pair forces%s: %s\n", between.c_str(), p.description().c_str());
+  std::string rest;
+  if (!c.mixed()) {
+    const auto error = expectedForceError(p, a);
+    rest = format(", expected force error %s; within a fibre from %d segments (%.5g %s) on",
+                  error ? format("%.2g %% (bundle)", 100 * *error).c_str() : "not estimated",
+                  p.exclude(), p.exclude() * a.length, units.length);
   }
-  const PointChoice& points = p->points();
-  const std::string far = points.far < points.near
-                              ? format(", %d beyond %g to %g %s", points.far, points.blend.from,
-                                       points.blend.to, units.length)
-                              : "";
-  PetscPrintf(comm, "  pair forces: %s\n", p->description().c_str());
-  const auto error = expectedForceError(*p, fibre);
-  PetscPrintf(comm,
-              "    %d points a segment%s, expected force error %s; within a fibre from %d segments "
-              "(%.5g %s) on\n",
-              points.near, far.c_str(),
-              error ? format("%.2g %% (bundle)", 100 * *error).c_str() : "not estimated",
-              p->exclude(), p->exclude() * fibre.length, units.length);
-  for (const std::string& warning : pointWarnings(*p, fibre, units))
+  PetscPrintf(comm, "    %s points a segment%s%s\n", pointsOf(points.near, c.mixed()).c_str(),
+              far.c_str(), rest.c_str());
+  for (const std::string& warning : pointWarnings(p, a, b, units))
     PetscPrintf(comm, "  warning: %s\n", warning.c_str());
+}
+
+void printPairForces(MPI_Comm comm, const PairForces& pairs, const Kinds& kinds,
+                     const UnitSystem& units) {
+  if (!pairs) PetscPrintf(comm, "  pair forces: none\n");
+  for (const PairForces::Class& c : pairs.classes()) printPairForce(comm, c, kinds, units);
+  if (!pairs || !kinds.several()) return;
+  for (int i = 0; i < kinds.count(); ++i)
+    for (int j = i; j < kinds.count(); ++j)
+      if (!pairs.between(i, j))
+        PetscPrintf(comm, "  pair forces %s-%s: none\n", kinds[i].kind.c_str(),
+                    kinds[j].kind.c_str());
 }
 
 void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
@@ -70,8 +94,8 @@ void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
   const std::string along = law.perFibre && law.scatter > 0
                                 ? format(" with a scatter of %g of it along the fibre", law.scatter)
                                 : "";
-  PetscPrintf(comm, "  bonds break at a strain %s, one draw per %s%s, seed %llu\n", strain.c_str(),
-              law.perFibre ? "fibre" : "bond", along.c_str(),
+  PetscPrintf(comm, "  %sbonds break at a strain %s, one draw per %s%s, seed %llu\n",
+              ofKind(fibre).c_str(), strain.c_str(), law.perFibre ? "fibre" : "bond", along.c_str(),
               static_cast<unsigned long long>(law.seed));
 }
 
@@ -95,12 +119,12 @@ void printStep(const RunParts& parts) {
   const RunPlan& plan = *parts.plan;
   const Stepper& stepper = *parts.stepper;
   const char* time = plan.units.time;
-  const double bundle = bundleStepLimit(plan.fibre, parts.forces->pair());
+  const double bundle = bundleStepLimit(plan.kinds, parts.forces->pairs());
   if (parts.limits.present > 0) {
     PetscPrintf(plan.comm,
                 "  time step %.4g %s; stable below %.4g now, %.4g for a free chain, about %.4g for "
                 "fibres pressed together\n",
-                stepper.dt(), time, parts.limits.present, chainStepLimit(plan.fibre), bundle);
+                stepper.dt(), time, parts.limits.present, chainStepLimit(plan.kinds), bundle);
     if (stepper.longest() > bundle)
       PetscPrintf(plan.comm,
                   "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
@@ -141,9 +165,10 @@ void printHeader(const RunParts& parts, const Moment& start) {
   PetscPrintf(plan.comm, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n",
               static_cast<long long>(parts.state->total()), box.length(0), box.length(1),
               box.length(2), units.length, box.periodic[0], box.periodic[1], box.periodic[2]);
-  printFibre(plan.comm, plan.fibre, units);
-  printPairForces(plan.comm, parts.forces->pair(), plan.fibre, units);
-  if (plan.breakage) printBreakage(plan.comm, *plan.breakage, plan.fibre, units);
+  for (const Fibre& fibre : plan.kinds) printFibre(plan.comm, fibre, units);
+  printPairForces(plan.comm, parts.forces->pairs(), plan.kinds, units);
+  for (int k = 0; k < plan.kinds.count(); ++k)
+    if (const auto& law = plan.breakage[k]) printBreakage(plan.comm, *law, plan.kinds[k], units);
   if (tension) printTension(plan.comm, *tension, units);
   printStep(parts);
   if (plan.boundaries.tensionGoesOn())

@@ -1,6 +1,7 @@
 #include "nanoweft/app/run_parts.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "nanoweft/app/accounts_record.hpp"
 #include "nanoweft/app/provenance.hpp"
@@ -27,19 +28,16 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
   if (!plan->checkpoint && plan->settings.perturb > 0) perturb();
   goOn();
   share();
-  if (!plan->checkpoint && forces->pair() && !plan->settings.allowOverlap) refuseOverlap();
+  if (!plan->checkpoint && forces->pairs() && !plan->settings.allowOverlap) refuseOverlap();
   chooseStep();
 }
 
 void RunParts::makeForces() {
   ForceField::Settings force;
-  const Fibre& fibre = force.fibre = plan->fibre;
-  force.pair = std::move(plan->pair);
+  force.kinds = plan->kinds;
+  force.pairs = std::move(plan->pairs);
   force.breakage = plan->breakage;
-  // The options are for two lengths of 2 rf: a rate per length squared.
-  const double lengths = fibre.length / fibre.diameter();
-  const ViscousDamping& viscous = plan->settings.viscous;
-  force.viscous = {viscous.linear * (lengths * lengths), viscous.angular * (lengths * lengths)};
+  force.viscous = plan->settings.viscous;
   force.skin = plan->settings.skin;
   force.threads = team.asked;
   forces = std::make_unique<ForceField>(std::move(force), plan->box);
@@ -48,19 +46,20 @@ void RunParts::makeForces() {
 void RunParts::fillState() {
   const UnitSystem& units = plan->units;
   ExtraFields extras;
-  extras.gap = plan->breaks() && forces->pair();
+  extras.gap = plan->breaks() && forces->pairs();
   extras.viscous = static_cast<bool>(plan->settings.viscous);
   state = std::make_unique<State>(plan->comm, plan->box, extras);
+  state->kinds = plan->kinds.names();
   if (plan->checkpoint) {
     requireParts(*plan->checkpoint, extras);
     readStateRows(plan->restart, *plan->checkpoint, *state);
   } else {
     plan->scene->fill(*state);
   }
-  requireWideBox(plan->box, 1.5 * plan->fibre.length, units.length);
+  requireWideBox(plan->box, 1.5 * plan->kinds.longest(), units.length);
   // Checked first: a bad start would fail later checks, too, and those would name another cause.
   if (!plan->checkpoint) checkStart();
-  if (forces->pair()) requireWideBox(plan->box, forces->lists().range(), units.length);
+  if (forces->pairs()) requireWideBox(plan->box, forces->lists().range(), units.length);
 }
 
 void RunParts::chooseTeam() {
@@ -83,7 +82,7 @@ void RunParts::checkStart() {
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
   for (const StartFinding& finding : lookAtStart(
            *state,
-           {plan->units, plan->fibre, own, plan->scene->asked(), file != nullptr, evolved})) {
+           {plan->units, plan->kinds, own, plan->scene->asked(), file != nullptr, evolved})) {
     if (finding.refused && refuse)
       throw InputError("the start cannot be meant: " + finding.text + " (or -start_unchecked)");
     warnings.push_back("at the start, " + finding.text);
@@ -136,7 +135,7 @@ void RunParts::share() {
   domain = std::make_unique<Domain>(*state, plan->settings.partition);
   forces->rebuild(*state, *domain);
   if (plan->breaks()) {
-    spreadOldBreaks(*state, forces->pair() ? forces->pair()->exclude() : 0);
+    spreadOldBreaks(*state, forces->pairs().exclude());
     forces->rebuild(*state, *domain);  // the bond lists again, without the broken ones
   }
   // The first shares know no measured work. They may be made twice more: from it, then by METIS.
@@ -145,26 +144,30 @@ void RunParts::share() {
 
 void RunParts::refuseOverlap() const {
   const UnitSystem& units = plan->units;
-  const double sensible = forces->pair()->closestSensible();
   // A run that makes no step may have deep overlaps; only points that nearly coincide are refused,
   // since the direction of their force is lost.
-  const double least = evaluatesOnly() ? 0.25 * plan->fibre.radius : sensible;
-  const ClosestPair c = findClosestPair(*state, *forces);
-  if (c.distance >= least) return;
+  const ClosestPair c = findClosestPair(*state, *forces, [&](const PairForce& force) {
+    const Both<double> radius = force.radius();
+    return evaluatesOnly() ? 0.25 * std::min(radius.i, radius.j) : force.closestSensible();
+  });
+  if (c.distance >= c.least) return;
   throw InputError(format(
       "fibres overlap: fibre %lld segment %d and fibre %lld segment %d are %.4g %s apart, and "
       "their walls meet at %.4g %s; "
       "move them apart (or -pair_allow_overlap)",
       static_cast<long long>(c.fibre[0]), c.index[0], static_cast<long long>(c.fibre[1]),
-      c.index[1], c.distance, units.length, sensible, units.length));
+      c.index[1], c.distance, units.length, c.sensible, units.length));
 }
 
 double RunParts::defaultTimeStep() {
-  const double stable = evaluatesOnly() ? chainStepLimit(plan->fibre) : limits.present;
+  const double stable = evaluatesOnly() ? chainStepLimit(plan->kinds) : limits.present;
   // While a minimiser runs, fibres that were apart may be pressed together.
   if (plan->minimises())
-    return adaptedShare * std::min(stable, bundleStepLimit(plan->fibre, forces->pair()));
-  if (plan->fibre.step > 0) return plan->fibre.step;
+    return adaptedShare * std::min(stable, bundleStepLimit(plan->kinds, forces->pairs()));
+  // The shortest of the presets' steps, when all kinds have one.
+  double usual = std::numeric_limits<double>::infinity();
+  for (const Fibre& f : plan->kinds) usual = std::min(usual, f.step);
+  if (usual > 0) return usual;
   // A restart keeps the step that was chosen at the start.
   if (plan->checkpoint && plan->checkpoint->run.reals.contains("default_step"))
     return *(defaultStep = plan->checkpoint->run.needReals("default_step", 1)[0]);
@@ -181,7 +184,7 @@ void RunParts::chooseStep() {
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
                "that (or -ts_dt_unsafe)",
                dt, limits.present, plan->units.time));
-  stepper = settings.stepper->make(plan->fibre, dt, settings.damping);
+  stepper = settings.stepper->make(plan->kinds, dt, settings.damping);
   if (!plan->checkpoint) return;
   stepper->restore(plan->checkpoint->run);
   if (!plan->stepIsNew) return;
@@ -191,9 +194,11 @@ void RunParts::chooseStep() {
 }
 
 std::vector<double> RunParts::fingerprint() const {
-  const Fibre& f = plan->fibre;
-  return {f.radius,       f.length,     f.mass,         f.inertia,
-          f.bond.stretch, f.bond.shear, f.bond.bending, f.bond.torsion};
+  std::vector<double> numbers;
+  for (const Fibre& f : plan->kinds)
+    numbers.insert(numbers.end(), {f.radius, f.length, f.mass, f.inertia, f.bond.stretch,
+                                   f.bond.shear, f.bond.bending, f.bond.torsion});
+  return numbers;
 }
 
 }  // namespace nanoweft

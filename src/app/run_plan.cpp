@@ -23,13 +23,14 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
       restart(readRestart(options)),
       checkpoint(readCheckpoint(comm, restart, options)),
       units(readUnits(options)),
-      fibre(readFibre(options, units)),
-      pair(readPairForce(options, units, fibre)),
-      settings(readRunSettings(options, units, pair != nullptr)),
-      breakage(readBreakage(options, units, fibre, settings.seed)),
-      scene(readScene(options, {units, fibre, comm, restDistance()},
+      kinds(readKinds(options, units)),
+      pairs(readPairForces(options, units, kinds)),
+      settings(readRunSettings(options, units, static_cast<bool>(pairs))),
+      breakage(readBreakageOf(kinds, options, units, settings.seed)),
+      scene(readScene(options,
+                      {units, kinds, comm, [this](int a, int b) { return restDistance(a, b); }},
                       options.helpWanted() || checkpoint)),
-      boundaries(options, units, fibre, restDistance()),
+      boundaries(options, units, kinds, restDistance(0, 0)),
       observers(makeObservers(options, {settings, units, boundaries})) {
   readBox(options);
   options.refuseUnknown();
@@ -41,8 +42,9 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
   for (const auto& observer : observers) observer->check(outputContext(false));
 }
 
-double RunPlan::restDistance() const {
-  return pair ? pair->restDistance() : usualRestDistance(fibre, units);
+double RunPlan::restDistance(int a, int b) const {
+  const PairForce* pair = pairs.between(a, b);
+  return pair ? pair->restDistance() : usualRestDistance(kinds[a], kinds[b], units);
 }
 
 void RunPlan::readBox(Options& options) {
@@ -70,11 +72,11 @@ void RunPlan::refuseContradictions() const {
         throw InputError(method + ": -" + b.name +
                          "_velocity keeps the fibres moving, so there is no rest");
   }
-  if (breakage && pair && pair->exclude() > mostExcludeWithBreakage)
+  if (breakage && pairs.exclude() > mostExcludeWithBreakage)
     throw InputError(
         format("-pair_exclude %d: at most %d with breakage (by default 20 diameters over the "
                "segment length)",
-               pair->exclude(), mostExcludeWithBreakage));
+               pairs.exclude(), mostExcludeWithBreakage));
 }
 
 bool RunPlan::seeNewStep(const Options& options) const {

@@ -25,7 +25,7 @@ Simulation::Simulation(std::unique_ptr<RunParts> parts)
     : parts_(std::move(parts)),
       system_(parts_->system()),
       observers_(parts_->plan->observers),
-      breaks_(system_.forces.pair() ? system_.forces.pair()->exclude() : 0),
+      breaks_(system_.forces.pairs().exclude()),
       checkpointSeconds_(static_cast<double>(system_.state.total()) * secondsPerSegmentWritten),
       driftEvent_(logEvent("NwKickDrift")),
       kickEvent_(logEvent("NwKick")),

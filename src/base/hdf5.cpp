@@ -1,6 +1,7 @@
 #include "nanoweft/base/hdf5.hpp"
 
 #include <algorithm>
+#include <sstream>
 #include <cmath>
 #include <cstdint>
 
@@ -121,6 +122,42 @@ std::optional<std::string> readText(hid_t object, const char* name) {
   }
   if (H5Tget_strpad(a.type) == H5T_STR_SPACEPAD) result.resize(result.find_last_not_of(' ') + 1);
   return result;
+}
+
+std::optional<std::vector<std::string>> readTexts(hid_t object, const char* name) {
+  const Attribute a(object, name);
+  if (a.kind != H5T_STRING || a.count < 1) return std::nullopt;
+  std::vector<std::string> texts;
+  if (a.count == 1) {
+    const auto all = readText(object, name);
+    if (!all) return std::nullopt;
+    std::istringstream parts(*all);
+    for (std::string part; std::getline(parts, part, ',');) texts.push_back(part);
+    return texts;
+  }
+  const auto count = static_cast<std::size_t>(a.count);
+  if (H5Tis_variable_str(a.type) > 0) {
+    Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(memory, H5T_VARIABLE);
+    H5Tset_cset(memory, H5Tget_cset(a.type));
+    std::vector<char*> pointers(count, nullptr);
+    if (H5Aread(a.id, memory, pointers.data()) < 0) return std::nullopt;
+    for (char* text : pointers) {
+      texts.emplace_back(text ? text : "");
+      if (text) H5free_memory(text);
+    }
+    return texts;
+  }
+  const std::size_t bytes = H5Tget_size(a.type);
+  std::string all(bytes * count, '\0');
+  if (H5Aread(a.id, a.type, all.data()) < 0) return std::nullopt;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::string text = all.substr(k * bytes, bytes);
+    text.resize(std::min(text.size(), text.find('\0')));
+    if (H5Tget_strpad(a.type) == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);
+    texts.push_back(text);
+  }
+  return texts;
 }
 
 std::optional<std::vector<double>> readReals(hid_t object, const char* name) {

@@ -180,9 +180,9 @@ std::array<bool, 3> parseFlags3(const std::string& name, const std::string& text
 /// The default that -help shows, where it is a value and no description ("of the preset").
 template <class Parse>
 auto shownValue(const std::string& shown, const Parse& parse)
-    -> std::optional<decltype(parse(shown))> {
+    -> std::optional<decltype(parse(shown, shown))> {
   try {
-    return parse(shown);
+    return parse("", shown);
   } catch (const InputError&) {
     return std::nullopt;
   }
@@ -235,6 +235,9 @@ void Options::refuseUnknown() const {
       problem += format("; the nearest known one is -%s", nearest->name.c_str());
   }
   petsc(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  for (const auto& [name, reason] : leftOut_)
+    if (problem.empty() && !used_.contains(name))
+      problem = format("-%s is not used by this run: %s", name.c_str(), reason.c_str());
   for (const auto& [name, value] : recorded_)
     if (problem.empty() && !readings_.contains(name))
       problem = format(
@@ -284,8 +287,21 @@ std::string Options::resultOptions(const std::set<std::string>& always) const {
   return text;
 }
 
+OptionPrefix::OptionPrefix(Options& options, const std::string& prefix)
+    : options_(options), before_(options.prefix_) {
+  options.prefix_ = prefix.empty() ? "" : prefix + "_";
+}
+
+OptionPrefix::~OptionPrefix() {
+  options_.prefix_ = before_;
+}
+
 OptionSection::OptionSection(Options& options, std::string title, bool active, std::string reason)
-    : options_(options), topic_(0), active_(active), reason_(std::move(reason)) {
+    : options_(options),
+      prefix_(options.prefix_),
+      topic_(0),
+      active_(active),
+      reason_(std::move(reason)) {
   for (; topic_ < options.topics_.size(); ++topic_)
     if (options.topics_[topic_].title == title) return;
   options.topics_.push_back({std::move(title), {}});
@@ -303,7 +319,15 @@ OptionSection OptionSection::family() const {
   return other;
 }
 
-bool OptionSection::given(const std::string& name) const {
+std::string OptionSection::inForce(const std::string& name) const {
+  if (prefix_.empty()) return name;
+  ownText(name);  // PETSc then does not count it as unused where all kinds have their own
+  const bool own = ownText(prefix_ + name).has_value();
+  return own || options_.recorded(prefix_ + name) ? prefix_ + name : name;
+}
+
+bool OptionSection::given(const std::string& generalName) const {
+  const std::string name = inForce(generalName);
   options_.countWhenGiven_.insert(name);
   const bool old = role_ != Role::run && options_.recorded(name);
   // In a restart a result's options are those of the checkpoint; `read` compares the user's.
@@ -330,11 +354,21 @@ std::optional<std::string> OptionSection::ownText(const std::string& name) const
 }
 
 template <class T, class Parse>
-std::optional<T> OptionSection::read(const Question& q, const std::optional<T>& fallback,
+std::optional<T> OptionSection::read(const Question& question, const std::optional<T>& fallback,
                                      const Parse& parse) {
-  if (documented_) document(q.name, q.shown.c_str(), q.unit.c_str(), q.help.c_str());
+  if (documented_)
+    document(question.name, question.shown.c_str(), question.unit.c_str(), question.help.c_str());
+  const std::string name = inForce(question.name);
+  const Question q{name, question.shown, question.unit, question.help};
   const auto own = ownText(q.name);
   const auto old = role_ != Role::run ? options_.recorded(q.name) : std::nullopt;
+  const bool forAll = !prefix_.empty() && name == question.name;
+  if (active_ && (own || old)) options_.used_.insert(name);
+  if (!active_ && forAll && (own || old)) {
+    // Other kinds may use it; `refuseUnknown` looks when all have been read.
+    options_.leftOut_[name] = reason_;
+    return fallback;
+  }
   if (!active_ && old)
     throw InputError(format("-restart %s: it was made with -%s %s, which is not used: %s",
                             options_.checkpoint_.c_str(), q.name.c_str(), old->c_str(),
@@ -343,16 +377,20 @@ std::optional<T> OptionSection::read(const Question& q, const std::optional<T>& 
   reading.role = role_;
   reading.byUser = own.has_value();
   std::optional<T> value;
-  if (own && active_) value = parse(*own);
+  if (own && active_) value = parse(q.name, *own);
   if (value) reading.value = canonical(*value);
   if (fallback) reading.fallback = canonical(*fallback);
   if (own) agreeWithCheckpoint(q, *own, reading);
   if (own && !active_)
     throw InputError(format("-%s is not used by this run: %s", q.name.c_str(), reason_.c_str()));
   if (!own && old) {
-    value = parse(*old);
+    value = parse(q.name, *old);
     reading.value = canonical(*value);
   }
+  // Where one name serves several kinds of different defaults, its value is no default.
+  if (const auto before = options_.readings_.find(q.name);
+      before != options_.readings_.end() && before->second.fallback != reading.fallback)
+    reading.fallback.reset();
   if (active_) options_.readings_[q.name] = reading;
   return value;
 }
@@ -381,9 +419,9 @@ void OptionSection::agreeWithCheckpoint(const Question& q, const std::string& ow
 double OptionSection::real(const std::string& name, double fallback, const char* unit,
                            const char* help, Bounds bounds) {
   return read<double>({name, shownReal(fallback), unit, help}, fallback,
-                      [&](const std::string& text) {
-                        const double value = parseReal(name, text);
-                        checkBounds(name, value, bounds);
+                      [&](const std::string& as, const std::string& text) {
+                        const double value = parseReal(as, text);
+                        checkBounds(as, value, bounds);
                         return value;
                       })
       .value_or(fallback);
@@ -391,9 +429,9 @@ double OptionSection::real(const std::string& name, double fallback, const char*
 
 std::optional<double> OptionSection::maybeReal(const std::string& name, const char* shown,
                                                const char* unit, const char* help, Bounds bounds) {
-  return read<double>({name, shown, unit, help}, std::nullopt, [&](const std::string& text) {
-    const double value = parseReal(name, text);
-    checkBounds(name, value, bounds);
+  return read<double>({name, shown, unit, help}, std::nullopt, [&](const std::string& as, const std::string& text) {
+    const double value = parseReal(as, text);
+    checkBounds(as, value, bounds);
     return value;
   });
 }
@@ -401,29 +439,29 @@ std::optional<double> OptionSection::maybeReal(const std::string& name, const ch
 long OptionSection::integer(const std::string& name, long fallback, const char* help, long lower,
                             long upper) {
   return read<long>({name, std::to_string(fallback), "", help}, fallback,
-                    [&](const std::string& text) { return parseInteger(name, text, lower, upper); })
+                    [&](const std::string& as, const std::string& text) { return parseInteger(as, text, lower, upper); })
       .value_or(fallback);
 }
 
 std::optional<long> OptionSection::maybeInteger(const std::string& name, const char* shown,
                                                 const char* help, long lower, long upper) {
-  return read<long>({name, shown, "", help}, std::nullopt, [&](const std::string& text) {
-    return parseInteger(name, text, lower, upper);
+  return read<long>({name, shown, "", help}, std::nullopt, [&](const std::string& as, const std::string& text) {
+    return parseInteger(as, text, lower, upper);
   });
 }
 
 bool OptionSection::flag(const std::string& name, bool fallback, const char* help) {
   return read<bool>({name, canonical(fallback), "", help}, fallback,
-                    [&](const std::string& text) { return parseFlag(name, text); })
+                    [&](const std::string& as, const std::string& text) { return parseFlag(as, text); })
       .value_or(fallback);
 }
 
 std::string OptionSection::text(const std::string& name, const std::string& fallback,
                                 const char* help) {
   return read<std::string>({name, fallback.empty() ? "none" : fallback, "", help}, fallback,
-                           [&](const std::string& text) {
+                           [&](const std::string& as, const std::string& text) {
                              if (text.empty())
-                               throw InputError(format("-%s needs a value", name.c_str()));
+                               throw InputError(format("-%s needs a value", as.c_str()));
                              return text;
                            })
       .value_or(fallback);
@@ -434,9 +472,9 @@ std::string OptionSection::choice(const std::string& name, const std::string& fa
   std::string list;
   for (const std::string& c : choices) list += (list.empty() ? "" : "|") + c;
   return read<std::string>({name, fallback, "", help + (" (" + list + ")")}, fallback,
-                           [&](const std::string& text) {
+                           [&](const std::string& as, const std::string& text) {
                              if (std::ranges::find(choices, text) == choices.end())
-                               throw InputError(format("-%s '%s': must be one of %s", name.c_str(),
+                               throw InputError(format("-%s '%s': must be one of %s", as.c_str(),
                                                        text.c_str(), list.c_str()));
                              return text;
                            })
@@ -446,24 +484,24 @@ std::string OptionSection::choice(const std::string& name, const std::string& fa
 std::optional<std::vector<double>> OptionSection::reals(const std::string& name, int count,
                                                         const char* shown, const char* unit,
                                                         const char* help) {
-  auto parse = [&](const std::string& text) { return parseReals(name, text, count); };
+  auto parse = [&](const std::string& as, const std::string& text) { return parseReals(as, text, count); };
   return read<std::vector<double>>({name, shown, unit, help}, shownValue(shown, parse), parse);
 }
 
 std::optional<std::array<bool, 3>> OptionSection::flags3(const std::string& name, const char* shown,
                                                          const char* help) {
-  auto parse = [&](const std::string& text) { return parseFlags3(name, text); };
+  auto parse = [](const std::string& as, const std::string& text) { return parseFlags3(as, text); };
   return read<std::array<bool, 3>>({name, shown, "", help}, shownValue(shown, parse), parse);
 }
 
 std::vector<std::string> OptionSection::words(const std::string& name, const char* help) {
   return read<std::vector<std::string>>(
              {name, "none", "", help}, std::nullopt,
-             [&](const std::string& text) {
+             [&](const std::string& as, const std::string& text) {
                auto parts = split(text);
                for (const std::string& part : parts)
                  if (part.empty())
-                   throw InputError(format("-%s '%s': an empty name", name.c_str(), text.c_str()));
+                   throw InputError(format("-%s '%s': an empty name", as.c_str(), text.c_str()));
                return parts;
              })
       .value_or(std::vector<std::string>());

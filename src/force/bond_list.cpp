@@ -10,8 +10,8 @@
 namespace nanoweft {
 
 void BondList::build(const State& state, const Domain& domain, const std::vector<Share>& shares,
-                     const std::optional<BreakageLaw>& law) {
-  breakable_ = law.has_value();
+                     const Breakage& breakage) {
+  breakable_ = static_cast<bool>(breakage);
   threads_.resize(shares.size());
   onShares(shares.size(), [&](std::size_t t) {
     ThreadBonds& bonds = threads_[t];
@@ -24,8 +24,9 @@ void BondList::build(const State& state, const Domain& domain, const std::vector
         const std::int32_t other = i == m ? j : i;
         if (mine(other) && other > m) return;
         const double critical =
-            law ? law->criticalStrain(state.fibre[i], state.chain[2 * i], state.chain[2 * i + 1])
-                : 0.0;
+            breakable_ ? breakage.criticalStrain(state.kind(i), state.fibre[i], state.chain[2 * i],
+                                                 state.chain[2 * i + 1])
+                       : 0.0;
         bonds.parts[mine(other)             ? own
                     : other < state.owned() ? shared
                                             : outer]
@@ -97,6 +98,36 @@ class BondScatter {
   Reals kept_{};
 };
 
+/// The bonds' laws where there is one kind of fibre.
+struct OneLaw {
+  const EvmBond& law;
+
+  const EvmBond& of(const State&, const std::int32_t*) const { return law; }
+  const EvmBond& of(const State&, std::int32_t) const { return law; }
+};
+
+/// The bonds' laws where segments have kinds: in each lane that of its first segment.
+struct LawByKind {
+  const Kinds& kinds;
+
+  EvmBondOf<Lanes> of(const State& state, const std::int32_t* i) const {
+    double numbers[5][laneCount];
+    for (int k = 0; k < laneCount; ++k) {
+      const EvmBond& law = of(state, i[k]);
+      numbers[0][k] = law.length;
+      numbers[1][k] = law.stretch;
+      numbers[2][k] = law.shear;
+      numbers[3][k] = law.bending;
+      numbers[4][k] = law.torsion;
+    }
+    auto lanes = [&](int n) { return Lanes(numbers[n], stdx::element_aligned); };
+    return {lanes(0), lanes(1), lanes(2), lanes(3), lanes(4)};
+  }
+  const EvmBond& of(const State& state, std::int32_t i) const {
+    return kinds[state.kind(i)].bond;
+  }
+};
+
 }  // namespace
 
 void BondList::add(State& state, const Terms& terms, int thread, Share share, Part part,
@@ -125,16 +156,28 @@ void BondList::dropBroken(std::vector<Entry>& bonds, BondTally& tally) {
 
 void BondList::add(State& state, const Terms& terms, Share share, std::vector<Entry>& bonds,
                    std::size_t begin, std::size_t end, BondTally& tally) {
-  const auto& [law, nearest, energies, mayBreak] = terms;
+  const Stretch some{{bonds.data() + begin, end - begin}, bonds.data() + bonds.size()};
+  if (terms.kinds.several())
+    addWith(LawByKind{terms.kinds}, state, terms, share, some, tally);
+  else
+    addWith(OneLaw{terms.kinds[0].bond}, state, terms, share, some, tally);
+}
+
+template <class Laws>
+void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share share,
+                       const Stretch& stretch, BondTally& tally) {
+  const auto& [kinds, nearest, energies, mayBreak] = terms;
   auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };
+  const std::span<Entry> bonds = stretch.bonds;
   BondScatter scatter(state, share);
-  for (std::size_t first = begin; first < end; first += laneCount) {
-    const int used = static_cast<int>(std::min<std::size_t>(laneCount, end - first));
+  for (std::size_t first = 0; first < bonds.size(); first += laneCount) {
+    const int used = static_cast<int>(std::min<std::size_t>(laneCount, bonds.size() - first));
     std::int32_t i[laneCount], j[laneCount];
     // Prefetch: segments are stored cell by cell, so those of the next bonds may lie anywhere.
-    if (constexpr std::size_t ahead = 32; first + ahead + laneCount <= bonds.size())
+    const Entry* const coming = bonds.data() + first + 32;
+    if (coming + laneCount <= stretch.listEnd)
       for (std::size_t k = 0; k < laneCount; ++k) {
-        const auto next = static_cast<std::size_t>(bonds[first + ahead + k].j);
+        const auto next = static_cast<std::size_t>(coming[k].j);
         __builtin_prefetch(state.pose + 8 * next);
         __builtin_prefetch(state.force + 3 * next, 1);
         __builtin_prefetch(state.torque + 3 * next, 1);
@@ -145,6 +188,7 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
       j[k] = e.j;
     }
     const BondGeometry<Lanes> geometry = bondGeometry(state, nearest, i, j);
+    const auto& law = laws.of(state, i);
     const BondForce<Lanes> bond = law.force(geometry);
     Row onI[laneCount], onJ[laneCount];
     auto rows = [](const Vec3<Lanes>& force, const Vec3<Lanes>& torque, Row* row) {
@@ -161,11 +205,12 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
       const auto lane = static_cast<std::size_t>(k);
       Entry& entry = bonds[first + lane];
       if (breakable_ && mayBreak) {
-        const double strain = (bond.length[lane] - law.length) / law.length;
+        const EvmBond& own = laws.of(state, i[k]);
+        const double strain = (bond.length[lane] - own.length) / own.length;
         if (strain > entry.critical) {
           tally.someBroke = true;
           if (mine(i[k])) {
-            const auto u = law.energy(bondGeometry(state, nearest, i[k], j[k]));
+            const auto u = own.energy(bondGeometry(state, nearest, i[k], j[k]));
             tally.released.add(u.total(), tally.energyUnit);
             tally.broken.push_back(state.row[i[k]]);
             state.bond[i[k]] |= nextBroken;

@@ -37,9 +37,10 @@ struct ForceField::Tallies {
 ForceField::ForceField(Settings settings, const Box& box)
     : settings_(std::move(settings)),
       nearest_(box),
-      energyUnit_(settings_.fibre.bond.stretch * settings_.fibre.length * settings_.fibre.length),
-      lists_({settings_.fibre.length, settings_.breakage, settings_.skin, settings_.threads},
-             settings_.pair.get(), box),
+      energyUnit_(settings_.kinds.energyScale()),
+      lists_({settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin,
+              settings_.threads},
+             box),
       rebuildEvent_(logEvent("NwRebuild")),
       bondEvent_(logEvent("NwBonds")),
       pairEvent_(logEvent("NwPairs")),
@@ -51,7 +52,7 @@ void ForceField::rebuild(State& state, Domain& domain) {
   // here, since they become those of segments when this rank gets more.
   if (!sums_.empty()) std::fill(sums_.end() - std::ssize(shares()), sums_.end(), ForceSum{});
   lists_.rebuild(state, domain);
-  if (settings_.pair) {
+  if (settings_.pairs) {
     const ForceSum* before = sums_.data();
     sums_.resize(static_cast<std::size_t>(state.owned()) + shares().size());
     if (sums_.data() != before) preferHugePages(sums_.data(), sums_.capacity() * sizeof(ForceSum));
@@ -76,25 +77,28 @@ PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous
     job.velocity = state.velocity;
     job.angular = state.angular;
     job.viscousSum = viscousSums_.data();
-    job.viscous = settings_.viscous;
   }
   return job;
 }
 
 void ForceField::addPairs(const State& state, std::size_t thread, bool outer, Tallies& tallies) {
   PairJob job = pairJob(state, thread, tallies.viscous);
-  PairList& list = lists_.pairs();
-  DrawnPairs& drawn = outer ? list.drawn()[thread].outer : list.drawn()[thread].inner;
-  if (tallies.margin > 0)
-    settings_.pair->draw(outer ? list.threads()[thread].outer : list.threads()[thread].inner,
-                         state.pose, nearest_, tallies.margin, drawn);
-  job.drawn = &drawn;
-  settings_.pair->add(job, tallies.request.energies, tallies.pairs[thread]);
+  for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
+    const PairForce& force = *settings_.pairs.classes()[c].force;
+    PairList& list = lists_.pairs()[c];
+    DrawnPairs& drawn = outer ? list.drawn()[thread].outer : list.drawn()[thread].inner;
+    if (tallies.margin > 0)
+      force.draw(outer ? list.threads()[thread].outer : list.threads()[thread].inner, state.pose,
+                 nearest_, tallies.margin, drawn);
+    job.drawn = &drawn;
+    job.viscous = settings_.viscous.between(force);
+    force.add(job, tallies.request.energies, tallies.pairs[thread]);
+  }
 }
 
 void ForceField::addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies) {
   lists_.bonds().add(
-      state, {settings_.fibre.bond, nearest_, tallies.request.energies, tallies.request.mayBreak},
+      state, {settings_.kinds, nearest_, tallies.request.energies, tallies.request.mayBreak},
       static_cast<int>(thread), shares()[thread], part, tallies.bonds[thread]);
 }
 
@@ -106,7 +110,7 @@ void ForceField::clear(State& state, std::size_t thread) const {
 
 ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
   const auto threads = shares().size();
-  const bool pairs = settings_.pair != nullptr;
+  const bool pairs = static_cast<bool>(settings_.pairs);
   if (owed_) throw std::logic_error("pair forces have not been handed over");
   // followed_: bonds that broke during a ForcePass count, even if their forces are computed again.
   Tallies tallies{request, pairs && viscous() && request.viscous, lists_.takeDrawing(),
@@ -176,7 +180,8 @@ void ForceField::notePairs(const Tallies& tallies) {
 }
 
 void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
-  const double forceUnit = settings_.pair->forceUnit(), torqueUnit = settings_.pair->torqueUnit();
+  const double forceUnit = settings_.pairs.forceUnit(),
+               torqueUnit = settings_.pairs.torqueUnit();
   for (std::int32_t i = begin; i < end; ++i) {
     ForceSum& sum = sums_[static_cast<std::size_t>(i)];
     for (int c = 0; c < 3; ++c) {
@@ -189,7 +194,8 @@ void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
 }
 
 void ForceField::handOverViscous(State& state, Share share) const {
-  const double forceUnit = settings_.pair->forceUnit(), torqueUnit = settings_.pair->torqueUnit();
+  const double forceUnit = settings_.pairs.forceUnit(),
+               torqueUnit = settings_.pairs.torqueUnit();
   for (std::int32_t i = share.begin; i < share.end; ++i)
     for (int c = 0; c < 3; ++c) {
       const auto k = static_cast<std::size_t>(6 * i + c);
@@ -215,32 +221,39 @@ ForcePass::~ForcePass() {
 
 void ForcePass::moved(std::size_t thread, std::int32_t end) {
   forces_.lists_.bonds().addUpTo(
-      state_, {forces_.settings_.fibre.bond, forces_.nearest_, false, true},
+      state_, {forces_.settings_.kinds, forces_.nearest_, false, true},
       static_cast<int>(thread), forces_.shares()[thread], end, forces_.followed_[thread]);
 }
 
-ClosestPair findClosestPair(const State& state, const ForceField& forces) {
-  ClosestPair closest{std::numeric_limits<double>::infinity(), {0, 0}, {0, 0}};
-  if (!forces.pair()) return closest;
-  for (const auto& thread : forces.lists().pairs().threads())
-    for (const auto* list : {&thread.inner, &thread.outer})
-      list->forEach([&](const ListPair& p) {
-        const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
-        // No points of the pair are closer than this.
-        if (norm(separation) - (forces.pair()->reach() - forces.pair()->cutoff()) >=
-            closest.distance)
-          return;
-        const double distance =
-            forces.pair()->closest(separation, state.orientation(p.i), state.orientation(p.j));
-        if (distance < closest.distance)
+ClosestPair findClosestPair(const State& state, const ForceField& forces,
+                            const std::function<double(const PairForce&)>& least) {
+  ClosestPair closest{std::numeric_limits<double>::infinity(), 1, 0, {0, 0}, {0, 0}};
+  double smallest = closest.distance;
+  for (std::size_t c = 0; c < forces.pairs().classes().size(); ++c) {
+    const PairForce& force = *forces.pairs().classes()[c].force;
+    const double unit = least(force), span = force.reach() - force.cutoff();
+    if (!(unit > 0)) continue;
+    for (const auto& thread : forces.lists().pairs()[c].threads())
+      for (const auto* list : {&thread.inner, &thread.outer})
+        list->forEach([&](const ListPair& p) {
+          const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
+          // No points of the pair are closer than this.
+          if (norm(separation) - span >= smallest * unit) return;
+          const double distance =
+              force.closest(separation, state.orientation(p.i), state.orientation(p.j));
+          if (distance >= smallest * unit) return;
+          smallest = distance / unit;
           closest = {distance,
+                     unit,
+                     force.closestSensible(),
                      {state.fibre[p.i], state.fibre[p.j]},
                      {state.chain[2 * p.i], state.chain[2 * p.j]}};
-      });
+        });
+  }
   struct {
     double distance;
     int rank;
-  } best{closest.distance, state.rank()};
+  } best{smallest, state.rank()};
   MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MINLOC, state.comm());
   MPI_Bcast(&closest, sizeof closest, MPI_BYTE, best.rank, state.comm());
   return closest;

@@ -1,21 +1,24 @@
 #include "nanoweft/force/list_keeper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace nanoweft {
 
-ListKeeper::ListKeeper(Settings settings, const PairForce* pair, const Box& box)
-    : settings_(std::move(settings)), pair_(pair), nearest_(box) {
-  const double length = settings_.segmentLength;
+ListKeeper::ListKeeper(const Settings& settings, const Box& box)
+    : settings_(settings), nearest_(box), pairs_(settings.pairs.classes().size()) {
+  const double length = settings_.kinds.shortest();
   skin_ = settings_.skin > 0 ? settings_.skin : length;
   // A wider skin would save little more time, and would cost memory and ghosts. It would also make
   // the shares of ranks less equal, since cells grow with it.
   skinLimit_ = length;
-  if (pair_)
+  if (settings_.pairs)
     for (int d = 0; d < 3; ++d)
-      if (box.periodic[d]) skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - pair_->reach());
+      if (box.periodic[d])
+        skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - settings_.pairs.reach());
   if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
   margin_ = 0.3 * skin_;
 }
@@ -24,12 +27,12 @@ void ListKeeper::rebuild(State& state, Domain& domain) {
   tuneSkin(state);
   const double begin = MPI_Wtime();
   // Without pairs the halo holds bond partners alone; the cells then only need to find them.
-  domain.rebuild(state, range(), std::max(range(), 2.0 * settings_.segmentLength),
+  domain.rebuild(state, range(), std::max(range(), 2.0 * settings_.kinds.longest()),
                  rebuilds_ > 0 && state.ranks() > 1 ? &work_ : nullptr);
   const CellIndex cells(state, domain.grid(), state.local());
   shares_ = shareSegments(state, domain.grid(), cells, settings_.threads);
   bonds_.build(state, domain, shares_, settings_.breakage);
-  if (pair_) makePairList(state, domain, cells);
+  if (settings_.pairs) makePairLists(state, domain, cells);
   noteWork(state, domain);
   outdated_ = false;
   ++rebuilds_;
@@ -38,14 +41,49 @@ void ListKeeper::rebuild(State& state, Domain& domain) {
   evaluations_ = 0;
 }
 
-void ListKeeper::makePairList(State& state, const Domain& domain, const CellIndex& cells) {
-  pairs_.build(state, domain.grid(), cells, shares_, range(), pair_->exclude());
+void ListKeeper::makePairLists(State& state, const Domain& domain, const CellIndex& cells) {
+  if (settings_.kinds.several())
+    listKinds(state);
+  else
+    pairs_[0].build(state, {domain.grid(), cells}, shares_, range(), settings_.pairs.exclude());
   tuneMargin(state);
   startDrawing(state);
   reference_.resize(3 * static_cast<std::size_t>(state.owned()));
 #pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
   for (int i = 0; i < state.owned(); ++i) noteReference(state, i);
   listed_ = reference_;
+}
+
+void ListKeeper::listKinds(const State& state) {
+  std::vector<std::vector<int>> ofKind(static_cast<std::size_t>(settings_.kinds.count()));
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
+  for (int i = 0; i < state.local(); ++i) {
+    ofKind[static_cast<std::size_t>(state.kind(i))].push_back(i);
+    for (std::size_t d = 0; d < 3; ++d) {
+      lower[d] = std::min(lower[d], state.pose[8 * static_cast<std::size_t>(i) + d]);
+      upper[d] = std::max(upper[d], state.pose[8 * static_cast<std::size_t>(i) + d]);
+    }
+  }
+  for (std::size_t d = 0; d < 3; ++d)
+    if (state.box.periodic[d]) lower[d] = state.box.lower[d], upper[d] = state.box.upper[d];
+  const auto& classes = settings_.pairs.classes();
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    const auto& [first, second, force] = classes[c];
+    const auto& others = ofKind[static_cast<std::size_t>(second)];
+    const double range = force->reach() + skin_;
+    // Cells for the others' own range: those for a range far beyond it would hold too many.
+    const PairForce* among = settings_.pairs.between(second, second);
+    const double edge = std::min(range, among ? among->reach() + skin_ : range);
+    const CellLattice lattice(lower, upper, state.box.periodic, edge, range,
+                              static_cast<double>(others.size()));
+    const CellIndex cells(state, lattice, others);
+    if (classes[c].mixed())
+      pairs_[c].buildMixed(state, ofKind[static_cast<std::size_t>(first)], {lattice, cells},
+                           shares_, range);
+    else
+      pairs_[c].build(state, {lattice, cells}, shares_, range, force->exclude());
+  }
 }
 
 bool ListKeeper::redraw(const State& state) {
@@ -89,9 +127,9 @@ void ListKeeper::tuneMargin(const State& state) {
   const std::int64_t steps = drawStep_ < 0 ? 0 : state.step - drawStep_;
   if (steps < 1) return;
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),
-               widening = 1.0 + skin_ / pair_->reach();
-  margin_ = 0.5 * widening * std::sqrt(pair_->reach() * speed);
-  margin_ = std::min(std::max(margin_, 0.05 * settings_.segmentLength), 0.5 * skin_);
+               reach = settings_.pairs.reach(), widening = 1.0 + skin_ / reach;
+  margin_ = 0.5 * widening * std::sqrt(reach * speed);
+  margin_ = std::min(std::max(margin_, 0.05 * settings_.kinds.shortest()), 0.5 * skin_);
   drawStep_ = state.step;
 }
 
@@ -100,14 +138,22 @@ void ListKeeper::noteWork(const State& state, Domain& domain) {
   // What a step does for each segment (bonds, motion) costs about as much as this many pairs.
   constexpr double pairsPerSegment = 3.0;
   work_.assign(static_cast<std::size_t>(state.owned()), pairsPerSegment);
-  if (pair_) pairs_.count(work_);
+  const auto& classes = settings_.pairs.classes();
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    // A pair of the first class counts 1.
+    auto pointPairs = [&](std::size_t k) {
+      const Both<int> n = classes[k].force->points().near;
+      return static_cast<double>(n.i * n.j);
+    };
+    pairs_[c].count(pointPairs(c) / pointPairs(0), work_);
+  }
   double sum = 0;
   for (double w : work_) sum += w;
   domain.noteWork(state, sum);
 }
 
 void ListKeeper::tuneSkin(const State& state) {
-  if (!pair_ || settings_.skin > 0 || evaluations_ < 2 || rebuilds_ < 2) return;
+  if (!settings_.pairs || settings_.skin > 0 || evaluations_ < 2 || rebuilds_ < 2) return;
   // Cost of the lists per step: (rebuild + drawings) / (steps between rebuilds). The steps between
   // grow like the skin, the pairs that a drawing looks at like the square of the range (a sheet) or
   // more. The skin follows the derivative, by changes large enough to be worth a new cell grid.
@@ -116,7 +162,7 @@ void ListKeeper::tuneSkin(const State& state) {
   const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
   const double loss = 2.0 * (drawSeconds_ / static_cast<double>(evaluations_)) / range();
   if (gain > 1.3 * loss) next = std::min(1.2 * skin_, skinLimit_);
-  if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.2 * settings_.segmentLength);
+  if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.2 * settings_.kinds.shortest());
   MPI_Bcast(&next, 1, MPI_DOUBLE, 0, state.comm());
   if (next > 0) skin_ = std::min(next, std::max(skinLimit_, skin_));
 }

@@ -35,25 +35,29 @@ class PairForceOf final : public PairForce {
     exclude_ = choice.exclude;
     length_ = choice.length;
     cutoff_ = traits.cutoff;
-    auto reachOf = [&](int n) { return cutoff_ + length_ * (n - 1) / n; };
+    auto reachOf = [&](Both<int> n) {
+      return cutoff_ + 0.5 * (length_.i * (n.i - 1) / n.i + length_.j * (n.j - 1) / n.j);
+    };
     reach_ = std::min(reachOf(points_.near), std::max(points_.blend.to, reachOf(points_.far)));
-    // A sum of eight full overlaps still fits into 63 bits.
-    forceUnit_ = std::ldexp(1.0, std::ilogb(traits.largestForce) + 4 - 63);
-    torqueUnit_ = std::ldexp(forceUnit_, std::ilogb(length_));
+    setUnits(traits.largestForce, std::max(length_.i, length_.j));
   }
 
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
-    const KernelUnits units{length_, cutoff_, forceUnit_, torqueUnit_};
-    auto resolve = [&](int points, bool withEnergies, Weight::Kind kind, const LaneView& pairs) {
-      const auto which = static_cast<std::size_t>(points - 1);
+    auto resolve = [&](Both<int> points, bool withEnergies, Weight::Kind kind,
+                       const LaneView& pairs) {
+      const KernelUnits units{length_, cutoff_, forceUnit_, torqueUnit_, points};
+      const auto which = static_cast<std::size_t>(compiled(points) ? points.i - 1 : 0);
       const Weight weight{kind, points_.blend};
-      if (single_)
+      if (!compiled(points))
+        (withEnergies ? addPairs<true, anyPoints, Law> : addPairs<false, anyPoints, Law>)(
+            law_, units, weight, pairs, job, tally);
+      else if (single_)
         singleKernels[which][withEnergies](*single_, units, weight, pairs, job, tally);
       else
         kernels[which][withEnergies](law_, units, weight, pairs, job, tally);
-      tally.pointPairs += static_cast<std::int64_t>(points) * points * pairs.pairs();
+      tally.pointPairs += static_cast<std::int64_t>(points.i) * points.j * pairs.pairs();
     };
-    auto unsifted = [&](int points, const LaneView& pairs) {
+    auto unsifted = [&](Both<int> points, const LaneView& pairs) {
       resolve(points, energies, Weight::whole, pairs);
       tally.resolved += pairs.pairs();
     };
@@ -105,7 +109,7 @@ class PairForceOf final : public PairForce {
     return smallest;
   }
 
-  PairAction average(int n, const Vec3d& separation, const Vec3d& ei,
+  PairAction average(Both<int> n, const Vec3d& separation, const Vec3d& ei,
                      const Vec3d& ej) const override {
     PairAction sum;
     forPoints(n, separation, ei, ej, [&](const Vec3d& d) {
@@ -115,33 +119,39 @@ class PairForceOf final : public PairForce {
       sum.energy += u.energy;
       sum.force += u.slope * d;
     });
-    const double share = 1.0 / (n * n);
+    const double share = 1.0 / (n.i * n.j);
     return {share * sum.energy, share * sum.force};
   }
 
  private:
+  /// Is there a kernel for this number of points?
+  bool compiled(Both<int> points) const {
+    return points.same() && points.i <= mostCompiledPoints && length_.same();
+  }
+
   /// Calls visit(p_jb - p_ia) for all points of a pair.
   template <class Visit>
-  void forPoints(int n, const Vec3d& separation, const Vec3d& ei, const Vec3d& ej,
+  void forPoints(Both<int> n, const Vec3d& separation, const Vec3d& ei, const Vec3d& ej,
                  const Visit& visit) const {
-    const double half = 0.5 * (n - 1), spacing = length_ / n;
-    for (int a = 0; a < n; ++a)
-      for (int b = 0; b < n; ++b)
-        visit(separation + ((b - half) * spacing) * ej - ((a - half) * spacing) * ei);
+    const Both<double> half{0.5 * (n.i - 1), 0.5 * (n.j - 1)},
+        spacing{length_.i / n.i, length_.j / n.j};
+    for (int a = 0; a < n.i; ++a)
+      for (int b = 0; b < n.j; ++b)
+        visit(separation + ((b - half.j) * spacing.j) * ej - ((a - half.i) * spacing.i) * ei);
   }
 
   template <class L>
   using Kernel = void (*)(const L&, const KernelUnits&, const Weight&, const LaneView&,
                           const PairJob&, PairTally&);
   template <class L>
-  using Kernels = std::array<std::array<Kernel<L>, 2>, mostPairPoints>;
+  using Kernels = std::array<std::array<Kernel<L>, 2>, mostCompiledPoints>;
 
   /// By number of points less one, without and with energies.
   static constexpr auto kernels = []<std::size_t... N>(std::index_sequence<N...>) {
     return Kernels<Law>{{{addPairs<false, static_cast<int>(N) + 1, Law>,
                           addPairs<true, static_cast<int>(N) + 1, Law>}...}};
   }
-  (std::make_index_sequence<mostPairPoints>{});
+  (std::make_index_sequence<mostCompiledPoints>{});
   static constexpr auto singleKernels = []<std::size_t... N>(std::index_sequence<N...>) {
     if constexpr (std::is_same_v<Single, NoSingle>)
       return Kernels<Single>{};
@@ -149,13 +159,30 @@ class PairForceOf final : public PairForce {
       return Kernels<Single>{{{addPairsSingle<false, static_cast<int>(N) + 1, Single>,
                                addPairsSingle<true, static_cast<int>(N) + 1, Single>}...}};
   }
-  (std::make_index_sequence<mostPairPoints>{});
+  (std::make_index_sequence<mostCompiledPoints>{});
 
   Law law_;
   std::optional<Single> single_;
 };
 
 }  // namespace
+
+ViscousDamping ViscousDamping::between(const PairForce& force) const {
+  const Both<double> length = force.length(), radius = force.radius();
+  const double lengths = (length.i / (2.0 * radius.i)) * (length.j / (2.0 * radius.j));
+  return {linear * lengths, angular * lengths};
+}
+
+void PairForce::setUnits(double largest, double length) {
+  // A sum of eight full overlaps still fits into 63 bits.
+  forceUnit_ = std::ldexp(1.0, std::ilogb(largest) + 4 - 63);
+  torqueUnit_ = std::ldexp(forceUnit_, std::ilogb(length));
+}
+
+Both<double> PairForce::pointSpan() const {
+  const Both<int> n = points_.near;
+  return {0.5 * length_.i * (n.i - 1) / n.i, 0.5 * length_.j * (n.j - 1) / n.j};
+}
 
 std::unique_ptr<PairForce> makePairForce(const PairTable& law, const PairTraits& traits,
                                          const PairChoice& choice) {

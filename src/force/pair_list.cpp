@@ -55,13 +55,14 @@ class OrderedSegments {
 /// Consecutive places of the order whose segments lie in a cell or next to it.
 struct Run {
   int begin, end;
-  bool own;  ///< only a thread's own segments lie there
+  bool own;  ///< only a thread's own segments lie there, in the order of their indices
 };
 
-void runsAround(const CellGrid& grid, const CellIndex& cells, std::int64_t cell, Share share,
-                std::vector<std::int64_t>& around, std::vector<Run>& runs) {
+void runsAround(const KindCells& where, std::int64_t cell, std::vector<std::int64_t>& around,
+                std::vector<Run>& runs) {
+  const CellIndex& cells = where.cells;
   runs.clear();
-  grid.neighbours(cell, around);
+  where.lattice.neighbours(cell, around);
   for (std::int64_t c : around) {
     const int place = cells.rangeOf.at(c);
     if (place < 0) continue;
@@ -69,8 +70,21 @@ void runsAround(const CellGrid& grid, const CellIndex& cells, std::int64_t cell,
     if (!runs.empty() && runs.back().end == r.begin)
       runs.back().end = r.end;
     else
-      runs.push_back({r.begin, r.end, true});
+      runs.push_back({r.begin, r.end, false});
   }
+}
+
+bool ownedAscend(const std::vector<int>& order, int owned) {
+  int last = -1;
+  for (const int i : order) {
+    if (i >= owned) continue;
+    if (i < last) return false;
+    last = i;
+  }
+  return true;
+}
+
+void findOwn(const CellIndex& cells, Share share, std::vector<Run>& runs) {
   for (Run& run : runs)
     run.own = std::all_of(cells.order.begin() + run.begin, cells.order.begin() + run.end,
                           [&](int i) { return i >= share.begin && i < share.end; });
@@ -110,12 +124,15 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const
   return shares;
 }
 
-void PairList::build(const State& state, const CellGrid& grid, const CellIndex& cells,
-                     const std::vector<Share>& shares, double range, int exclude) {
+void PairList::build(const State& state, const KindCells& where, const std::vector<Share>& shares,
+                     double range, int exclude) {
+  const CellIndex& cells = where.cells;
   const MinimumImage nearest(state.box);
   const double range2 = range * range;
   const int owned = state.owned();
   const std::vector<int>& order = cells.order;
+  // Owned segments are stored in the order of the domain's cells, which other cells do not have.
+  const bool ascends = ownedAscend(order, owned);
   OrderedSegments segments(order.size());
   threads_.resize(shares.size());
   drawn_.resize(shares.size());
@@ -137,15 +154,16 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
         const int i = order[static_cast<std::size_t>(k)];
         if (!mine(i)) continue;
         if (!std::exchange(arrived, true)) {
-          runsAround(grid, cells, cell.cell, share, around, runs);
+          runsAround(where, cell.cell, around, runs);
+          if (ascends) findOwn(cells, share, runs);
           int longest = 0;
           for (const Run& run : runs) longest = std::max(longest, run.end - run.begin);
           found.resize(static_cast<std::size_t>(longest + laneCount));
         }
         const std::int64_t row = state.row[i], start = row - state.chain[2 * i];
         for (const Run& run : runs) {
-          // A pair of two own segments is found from the one that comes first in the cells' order;
-          // owned segments are stored in that order.
+          // A pair of two own segments is found from the one of the lower index, which in a run of
+          // own ones comes first in the cells' order.
           const std::size_t count = segments.within(
               state.position(i), range2, nearest, run.own ? std::max(run.begin, k + 1) : run.begin,
               run.end, found.data());
@@ -172,15 +190,52 @@ void PairList::build(const State& state, const CellGrid& grid, const CellIndex& 
   });
 }
 
-void PairList::count(std::vector<double>& pairs) const {
-  const auto owned = static_cast<std::int32_t>(pairs.size());
+void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
+                          const KindCells& others, const std::vector<Share>& shares,
+                          double range) {
+  const MinimumImage nearest(state.box);
+  const double range2 = range * range;
+  const std::vector<int>& order = others.cells.order;
+  OrderedSegments segments(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    segments.set(k, order[k], state.position(order[k]));
+  threads_.resize(shares.size());
+  drawn_.resize(shares.size());
+  shares_ = shares;
+  onShares(shares.size(), [&](std::size_t t) {
+    auto mine = [share = shares[t]](int i) { return i >= share.begin && i < share.end; };
+    Parts<std::vector<ListPair>> lists;
+    std::vector<Run> runs;
+    std::vector<std::int64_t> around;
+    std::vector<std::int32_t> found;
+    for (const int i : firsts) {
+      const Vec3d x = state.position(i);
+      runsAround(others, others.lattice.cellOf(state.pose + 8 * i), around, runs);
+      for (const Run& run : runs) {
+        found.resize(static_cast<std::size_t>(run.end - run.begin + laneCount));
+        const std::size_t count =
+            segments.within(x, range2, nearest, run.begin, run.end, found.data());
+        for (std::size_t n = 0; n < count; ++n) {
+          const int j = found[n];
+          if (!mine(i) && !mine(j)) continue;
+          (i < state.owned() && j < state.owned() ? lists.inner : lists.outer).push_back({i, j});
+        }
+      }
+    }
+    threads_[t].inner.set(lists.inner, state.owned());
+    threads_[t].outer.set(lists.outer, state.local());
+  });
+}
+
+void PairList::count(double weight, std::vector<double>& work) const {
+  const auto owned = static_cast<std::int32_t>(work.size());
   for (std::size_t t = 0; t < threads_.size(); ++t)
     for (const auto* list : {&threads_[t].inner, &threads_[t].outer})
       list->forEach([&](const ListPair& p) {
         for (std::int32_t k : {p.i, p.j})
           // A pair of two threads' segments stands in both threads' lists.
           if (k < owned && k >= shares_[t].begin && k < shares_[t].end)
-            pairs[static_cast<std::size_t>(k)] += 0.5;
+            work[static_cast<std::size_t>(k)] += 0.5 * weight;
       });
 }
 

@@ -25,7 +25,7 @@ class Bundle {
  public:
   Bundle(const PairForce& pair, const Fibre& fibre)
       : pair_(pair), length_(fibre.length), rest_(pair.restDistance()), radius_(fibre.radius) {
-    const double width = lawWidth(rest_, fibre);
+    const double width = lawWidth(rest_, fibre, fibre);
     const int needed = pointsNeeded(length_, rest_, width, nearSpacing);
     many_ = std::max(7, static_cast<int>(std::ceil(2.6 * needed)));
     const double row = (pair_.cutoff() / length_ + 2) * many_ * many_;
@@ -117,9 +117,9 @@ int pointsNeeded(double length, double distance, double gap, double spacing) {
   return std::max(1, static_cast<int>(std::ceil(std::min(length / widest, 1e6) - 1e-9)));
 }
 
-double lawWidth(double restDistance, const Fibre& fibre) {
-  const double gap = restDistance - fibre.diameter();
-  return gap > 0 ? gap : hertzOverlap * fibre.radius;
+double lawWidth(double restDistance, const Fibre& a, const Fibre& b) {
+  const double gap = restDistance - (a.radius + b.radius);
+  return gap > 0 ? gap : hertzOverlap * std::min(a.radius, b.radius);
 }
 
 std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre) {
@@ -134,26 +134,43 @@ std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fib
   return size > 0 ? std::sqrt(error / size) : 0.0;
 }
 
-std::vector<std::string> pointWarnings(const PairForce& pair, const Fibre& fibre,
-                                       const UnitSystem& units) {
-  std::vector<std::string> warnings;
-  const double rest = pair.restDistance(), width = lawWidth(rest, fibre);
-  const bool soft = rest <= fibre.diameter();
-  const int points = pair.points().near,
-            wanted = pointsNeeded(fibre.length, rest, width, soft ? softSpacing : nearSpacing),
-            least = pointsNeeded(fibre.length, rest, width, coarsestSpacing);
+namespace {
+
+/// How wide the forces of a law are.
+struct LawShape {
+  double rest, width;
+  bool soft;
+};
+
+/// Warnings about the points on segments of `own`.
+void addPointWarnings(const Fibre& own, int points, const LawShape& law, const UnitSystem& units,
+                      std::vector<std::string>& warnings) {
+  const auto [rest, width, soft] = law;
+  const int wanted = pointsNeeded(own.length, rest, width, soft ? softSpacing : nearSpacing),
+            least = pointsNeeded(own.length, rest, width, coarsestSpacing);
   if (points < least)
     warnings.push_back(
         format("-pair_points %d: %.4g %s apart, too coarse for this law, whose forces are %.3g %s "
                "wide; take %d at least, or shorter segments",
-               points, fibre.length / points, units.length, std::sqrt(2.0 * rest * width),
+               points, own.length / points, units.length, std::sqrt(2.0 * rest * width),
                units.length, least));
   else if (points == mostPairPoints && wanted > mostPairPoints)
     warnings.push_back(
         format("this law would need %d points on a segment of %g %s, and %d are the most there "
                "are; -fibre_segment_length %.3g needs no more",
-               wanted, fibre.length, units.length, mostPairPoints,
-               fibre.length * mostPairPoints / wanted));
+               wanted, own.length, units.length, mostPairPoints,
+               own.length * mostPairPoints / wanted));
+}
+
+}  // namespace
+
+std::vector<std::string> pointWarnings(const PairForce& pair, const Fibre& a, const Fibre& b,
+                                       const UnitSystem& units) {
+  std::vector<std::string> warnings;
+  const double rest = pair.restDistance();
+  const LawShape law{rest, lawWidth(rest, a, b), rest <= a.radius + b.radius};
+  addPointWarnings(a, pair.points().near.i, law, units, warnings);
+  if (&a != &b) addPointWarnings(b, pair.points().near.j, law, units, warnings);
   return warnings;
 }
 

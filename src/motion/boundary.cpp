@@ -16,10 +16,10 @@ static_assert(firstReservedGroupBit + mostNamed <= leftGripBit);
 
 }  // namespace
 
-Boundaries::Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre,
+Boundaries::Boundaries(Options& options, const UnitSystem& units, const Kinds& kinds,
                        double restDistance) {
   readNamed(options, units);
-  tension_ = readTension(options, units, fibre, restDistance);
+  tension_ = readTension(options, units, kinds, restDistance);
 }
 
 void Boundaries::readNamed(Options& options, const UnitSystem& units) {

@@ -78,13 +78,18 @@ void spreadOldBreaks(State& state, int exclude) {
 }
 
 bool Breaks::release(State& state, const ForceField& forces, const Domain& domain) const {
-  if (!state.gap || !forces.pair() || state.step % gapCheckInterval != 0) return false;
-  const double reach2 = forces.pair()->reach() * forces.pair()->reach();
+  if (!state.gap || !forces.pairs() || state.step % gapCheckInterval != 0) return false;
+  std::vector<double> reaches;
+  for (int k = 0; k < forces.kinds().count(); ++k) {
+    const PairForce* own = forces.pairs().between(k, k);
+    reaches.push_back(own ? own->reach() : 0.0);
+  }
   bool any = false;
   for (int i = 0; i < state.owned(); ++i)
     for (int direction = 0; direction < 2; ++direction) {
       auto waiting = static_cast<std::uint64_t>(state.gap[4 * i + direction] &
                                                 ~state.gap[4 * i + 2 + direction]);
+      const double reach = reaches[static_cast<std::size_t>(state.kind(i))], reach2 = reach * reach;
       const int index = state.chain[2 * i], length = state.chain[2 * i + 1];
       for (; waiting; waiting &= waiting - 1) {
         const int places = std::countr_zero(waiting);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nanoweft/base/threads.hpp"
+#include "nanoweft/motion/masses.hpp"
 #include "nanoweft/motion/residual.hpp"
 
 namespace nanoweft {
@@ -17,12 +18,16 @@ constexpr double firstStep = 0.25, leastStep = 0.02;  // of the longest
 
 }  // namespace
 
-Fire::Fire(const Fibre& fibre, double longest)
+Fire::Fire(const Kinds& kinds, double longest)
     : verlet_(firstStep * longest, 0.0), longest_(longest), mixing_(firstMixing) {
   // An exact sum holds terms from 1e-22 to 1e5 times the scale of its unit. With these scales it
   // holds forces from 1e-12 to 36 times the force that doubles a bond's length.
-  const double force = fibre.bond.stretch * fibre.length, mass = fibre.mass;
-  const double forceScale = 0.01 * force * force / mass, speedScale = 0.01 * force * fibre.length;
+  double forceScale = 0, speedScale = 0;
+  for (const Fibre& fibre : kinds) {
+    const double force = fibre.bond.stretch * fibre.length;
+    forceScale = std::max(forceScale, 0.01 * force * force / fibre.mass);
+    speedScale = std::max(speedScale, 0.01 * force * fibre.length);
+  }
   forceUnit_ = SumUnit(forceScale);
   speedUnit_ = SumUnit(speedScale);
   powerUnit_ = SumUnit(std::sqrt(forceScale * speedScale));
@@ -59,14 +64,14 @@ void Fire::finish(System& system, bool) {
 
 Fire::Slope Fire::slope(const System& system) const {
   const State& s = system.state;
-  const double mass = system.forces.fibre().mass, inertia = system.forces.fibre().inertia;
-  const double perMass = 1.0 / mass, perInertia = 1.0 / inertia;
+  const Masses masses(system.forces.kinds());
   const auto& shares = system.forces.shares();
   ExactSum sums[3];
   onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
     ExactSum mine[3];
     for (std::int32_t i = share.begin; i < share.end; ++i) {
+      const auto [mass, inertia, perMass, perInertia] = masses.of(s, i);
       const Residual r = residualOf(s, system.boundaries, i);
       const double* v = s.velocity + 3 * i;
       const double* w = s.angular + 3 * i;
@@ -91,14 +96,14 @@ Fire::Slope Fire::slope(const System& system) const {
 
 void Fire::turn(System& system, double keep, double push) const {
   State& s = system.state;
-  const double mass = system.forces.fibre().mass, inertia = system.forces.fibre().inertia;
-  const double perMass = 1.0 / mass, perInertia = 1.0 / inertia;
+  const Masses masses(system.forces.kinds());
   const SumUnit& unit = system.forces.energyUnit();
   const auto& shares = system.forces.shares();
   onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
     ExactSum removed;
     for (std::int32_t i = share.begin; i < share.end; ++i) {
+      const auto [mass, inertia, perMass, perInertia] = masses.of(s, i);
       const Residual r = residualOf(s, system.boundaries, i);
       double* v = s.velocity + 3 * i;
       double* w = s.angular + 3 * i;

@@ -27,13 +27,14 @@ void applyBoundaries(Residual& residual, const State& state, const Boundaries& b
 }
 
 double largestResidual(const State& state, const ForceField& forces, const Boundaries& boundaries) {
-  const double perLength2 = 1.0 / (forces.fibre().length * forces.fibre().length);
   double largest = 0;
   for (int i = 0; i < state.owned(); ++i) {
     const Residual r = residualOf(state, boundaries, i);
     const double f2 = r.force[0] * r.force[0] + r.force[1] * r.force[1] + r.force[2] * r.force[2];
     const double t2 =
         r.torque[0] * r.torque[0] + r.torque[1] * r.torque[1] + r.torque[2] * r.torque[2];
+    const double length = forces.kinds()[state.kind(i)].length;
+    const double perLength2 = 1.0 / (length * length);
     const double worst = std::max(f2, t2 * perLength2);
     // A NaN counts as an infinite force, so that it never passes for equilibrium.
     largest =

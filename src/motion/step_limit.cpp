@@ -54,8 +54,7 @@ class Stiffness {
         forces_(forces),
         halo_(halo),
         n_(static_cast<std::size_t>(state.owned())),
-        perRootMass_(1.0 / std::sqrt(forces.fibre().mass)),
-        perRootInertia_(1.0 / std::sqrt(forces.fibre().inertia)),
+        scales_(scalesOf(state, forces.kinds())),
         pose_(state.pose, state.pose + 8 * n_) {}
 
   /// The stiffness times q, by central differences of the forces. Collective.
@@ -63,8 +62,9 @@ class Stiffness {
     double largest = 0;
     for (std::size_t j = 0; j < q.size(); ++j) {
       const bool turns = j % 6 >= 3;
-      largest = std::max(largest, std::abs(q[j]) * (turns ? perRootInertia_
-                                                          : perRootMass_ / forces_.fibre().length));
+      const Scale& s = scales_[j / 6];
+      largest = std::max(largest, std::abs(q[j]) * (turns ? s.perRootInertia
+                                                          : s.perRootMass / s.length));
     }
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, state_.comm());
     const double step = 1e-6 / largest;  // displacements of 1e-6 segments, turns of 1e-6 radians
@@ -81,6 +81,19 @@ class Stiffness {
   }
 
  private:
+  /// Of a segment: what makes its coordinates mass-weighted, and its length.
+  struct Scale {
+    double perRootMass, perRootInertia, length;
+  };
+  static std::vector<Scale> scalesOf(const State& state, const Kinds& kinds) {
+    std::vector<Scale> ofKinds, scales;
+    for (const Fibre& f : kinds)
+      ofKinds.push_back({1.0 / std::sqrt(f.mass), 1.0 / std::sqrt(f.inertia), f.length});
+    for (int i = 0; i < state.owned(); ++i)
+      scales.push_back(ofKinds[static_cast<std::size_t>(state.kind(i))]);
+    return scales;
+  }
+
   void evaluate() {
     ForceRequest request;
     request.mayBreak = request.viscous = false;
@@ -89,8 +102,8 @@ class Stiffness {
 
   /// Mass-weighted forces at the pose displaced by `step` along q.
   void forcesAt(const std::vector<double>& q, double step, std::vector<double>& out) {
-    const double a = step * perRootMass_, b = step * perRootInertia_;
     for (std::size_t i = 0; i < n_; ++i) {
+      const double a = step * scales_[i].perRootMass, b = step * scales_[i].perRootInertia;
       for (std::size_t c = 0; c < 3; ++c)
         state_.pose[8 * i + c] = pose_[8 * i + c] + a * q[6 * i + c];
       const Quatd old{pose_[8 * i + 4], pose_[8 * i + 5], pose_[8 * i + 6], pose_[8 * i + 7]};
@@ -101,8 +114,8 @@ class Stiffness {
     out.resize(6 * n_);
     for (std::size_t i = 0; i < n_; ++i)
       for (std::size_t c = 0; c < 3; ++c) {
-        out[6 * i + c] = perRootMass_ * state_.force[3 * i + c];
-        out[6 * i + 3 + c] = perRootInertia_ * state_.torque[3 * i + c];
+        out[6 * i + c] = scales_[i].perRootMass * state_.force[3 * i + c];
+        out[6 * i + 3 + c] = scales_[i].perRootInertia * state_.torque[3 * i + c];
       }
   }
 
@@ -110,7 +123,7 @@ class Stiffness {
   ForceField& forces_;
   Halo& halo_;
   std::size_t n_;
-  double perRootMass_, perRootInertia_;
+  std::vector<Scale> scales_;
   std::vector<double> pose_, plus_, minus_;
 };
 
@@ -132,7 +145,7 @@ std::vector<double> randomDirection(const State& state) {
 double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   Stiffness stiffness(state, forces, halo);
   // Scale of the exact sums: 1e3 times a chain's omega^2, since contacts may be far stiffer.
-  const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.fibre()), 2);
+  const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.kinds()), 2);
   const SumUnit ofProduct(chain), ofSquare(chain * chain);
   std::vector<double> q = randomDirection(state), before(q.size(), 0.0), diagonal, off;
   double eigenvalue = 0;
@@ -171,11 +184,26 @@ double chainStepLimit(const Fibre& fibre) {
   return 2.0 / std::sqrt(largest);
 }
 
-double bundleStepLimit(const Fibre& fibre, const PairForce* pair) {
-  const double chain = chainStepLimit(fibre);
-  if (!pair) return chain;
-  const double contact = pair->contactStiffness() / pair->points().near;
-  return 2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / fibre.mass);
+double chainStepLimit(const Kinds& kinds) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Fibre& fibre : kinds) lowest = std::min(lowest, chainStepLimit(fibre));
+  return lowest;
+}
+
+double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kinds.count(); ++k) {
+    const double chain = chainStepLimit(kinds[k]);
+    lowest = std::min(lowest, chain);
+    for (const auto& [first, second, force] : pairs.classes()) {
+      if (first != k && second != k) continue;
+      const Both<int> n = force->points().near;
+      const double contact = force->contactStiffness() / std::max(n.i, n.j);
+      lowest = std::min(lowest, 2.0 / std::sqrt(4.0 / (chain * chain) +
+                                                6.0 * contact / kinds[k].mass));
+    }
+  }
+  return lowest;
 }
 
 }  // namespace nanoweft

@@ -8,12 +8,12 @@ namespace nanoweft {
 const std::vector<StepperKind>& stepperKinds() {
   static const std::vector<StepperKind> kinds{
       {"dynamics", "dynamics", false,
-       [](const Fibre&, double dt, double localDamping) -> std::unique_ptr<Stepper> {
+       [](const Kinds&, double dt, double localDamping) -> std::unique_ptr<Stepper> {
          return std::make_unique<Verlet>(dt, localDamping);
        }},
       {"fire", "FIRE", true,
-       [](const Fibre& fibre, double dt, double) -> std::unique_ptr<Stepper> {
-         return std::make_unique<Fire>(fibre, dt);
+       [](const Kinds& kinds, double dt, double) -> std::unique_ptr<Stepper> {
+         return std::make_unique<Fire>(kinds, dt);
        }},
   };
   return kinds;

@@ -15,7 +15,7 @@ double Tension::strain(double time) const {
   return before + (t < ramp ? rate * t * t / (2.0 * ramp) : rate * (t - 0.5 * ramp));
 }
 
-std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Fibre& fibre,
+std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Kinds& kinds,
                                    double restDistance) {
   OptionSection ask(options, "Tension test");
   const bool wanted =
@@ -36,7 +36,7 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
                .value_or(0.01 / t.rate);
   t.asked.grip = s.maybeReal("tension_grip", "10 rf", units.length,
                              "length of each grip, from the ends of the piece inwards", positive);
-  t.grip = t.asked.grip.value_or(10.0 * fibre.radius);
+  t.grip = t.asked.grip.value_or(10.0 * kinds.thickest());
   if (const auto ends = s.reals("tension_ends", 2, "its outermost segments", units.length,
                                 "where the piece ends; what lies beyond is held by the grips")) {
     t.asked.ends = {(*ends)[0], (*ends)[1]};
@@ -53,7 +53,10 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
   t.asked.thickness =
       s.maybeReal("tension_thickness", "17.1 A for cnt_10_10, else the rest distance", units.length,
                   "thickness of the fabric, for the stress", positive);
-  t.thickness = t.asked.thickness.value_or(fibre.sheet > 0 ? fibre.sheet : restDistance);
+  if (wanted && kinds.several() && !t.asked.thickness)
+    throw InputError("-tension_thickness: with several kinds of fibre it has no default");
+  const double sheet = kinds[0].sheet;
+  t.thickness = t.asked.thickness.value_or(sheet > 0 ? sheet : restDistance);
   t.fresh =
       s.flag("tension_new", false,
              "a test of its own, even when the state that the run starts from has been pulled "

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nanoweft/base/threads.hpp"
+#include "nanoweft/motion/masses.hpp"
 
 namespace nanoweft {
 
@@ -62,17 +63,15 @@ class Kicker {
         mask_(system.boundaries.mask()),
         damping_(damping),
         h_(h),
-        perMass_(h / system.forces.fibre().mass),
-        perInertia_(h / system.forces.fibre().inertia),
-        mass_(system.forces.fibre().mass),
-        inertia_(system.forces.fibre().inertia),
+        masses_(system.forces.kinds(), h),
         unit_(system.forces.energyUnit()) {}
 
   /// Segments begin <= i < end.
   void operator()(std::int32_t begin, std::int32_t end) {
-    if (end - begin == laneCount && !s_.viscous && free(begin)) {
-      group(s_.velocity + 3 * begin, s_.force + 3 * begin, perMass_);
-      group(s_.angular + 3 * begin, s_.torque + 3 * begin, perInertia_);
+    if (end - begin == laneCount && !s_.viscous && free(begin) && alike(begin)) {
+      const Mass& m = masses_.of(s_, begin);
+      group(s_.velocity + 3 * begin, s_.force + 3 * begin, m.perMass);
+      group(s_.angular + 3 * begin, s_.torque + 3 * begin, m.perInertia);
     } else {
       for (std::int32_t i = begin; i < end; ++i) one(i);
     }
@@ -91,6 +90,14 @@ class Kicker {
     return !(all & mask_);
   }
 
+  /// Are `laneCount` segments of one kind?
+  bool alike(std::int32_t begin) const {
+    if (!masses_.several()) return true;
+    for (int k = 1; k < laneCount; ++k)
+      if (s_.kind(begin + k) != s_.kind(begin)) return false;
+    return true;
+  }
+
   /// Kicks `laneCount` segments. All components are kicked alike and are contiguous, so lanes go
   /// through them without regard to segments.
   NW_INLINE void group(double* velocity, const double* force, double factor) {
@@ -107,9 +114,10 @@ class Kicker {
 
   void one(std::int32_t i) {
     if (s_.group[i] & mask_) return bounded(i);
+    const Mass& m = masses_.of(s_, i);
     for (int c = 0; c < 3; ++c) {
-      component(s_.velocity[3 * i + c], s_.force[3 * i + c], viscous(i, c), perMass_);
-      component(s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), perInertia_);
+      component(s_.velocity[3 * i + c], s_.force[3 * i + c], viscous(i, c), m.perMass);
+      component(s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), m.perInertia);
     }
   }
   double viscous(std::int32_t i, int c) const { return s_.viscous ? s_.viscous[6 * i + c] : 0.0; }
@@ -122,6 +130,7 @@ class Kicker {
   }
 
   void bounded(std::int32_t i) {
+    const auto [mass, inertia, perMass, perInertia] = masses_.of(s_, i);
     for (int c = 0; c < 3; ++c) {
       double load = 0, couple = 0, held = 0;
       bool fixed = false, still = false;
@@ -133,9 +142,9 @@ class Kicker {
         if (a.fix[static_cast<std::size_t>(c)]) fixed = true, held = a.velocity[c];
       }
       actedOn(s_.velocity[3 * i + c], s_.force[3 * i + c], viscous(i, c), load, fixed, held,
-              perMass_, mass_);
+              perMass, mass);
       actedOn(s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), couple, still, 0.0,
-              perInertia_, inertia_);
+              perInertia, inertia);
     }
   }
 
@@ -157,7 +166,8 @@ class Kicker {
   State& s_;
   const std::vector<Action>& actions_;
   std::int32_t mask_;
-  double damping_, h_, perMass_, perInertia_, mass_, inertia_;
+  double damping_, h_;
+  Masses masses_;
   SumUnit unit_;
   ExactLanes dampedLanes_;
   ExactSum damped_, external_;
@@ -173,7 +183,7 @@ class Drifter {
         tracks_(forces.lists().tracksMotion()),
         wraps_(state.box.periodic[0] || state.box.periodic[1] || state.box.periodic[2]) {
     // Half a segment in a step is far beyond any stable motion.
-    const double farthest = 0.5 * forces.fibre().length / dt_;
+    const double farthest = 0.5 * forces.kinds().shortest() / dt_;
     fastest2_ = farthest * farthest;
   }
 

@@ -8,11 +8,12 @@ Energies sumEnergies(const State& state, const ForceField& forces, const ForceOu
   ExactSum sums[10] = {
       outcome.stretch, outcome.shear,     outcome.bending, outcome.torsion, outcome.pair, {}, {},
       accounts.damped, accounts.external, accounts.broken};
-  const double halfMass = 0.5 * forces.fibre().mass, halfInertia = 0.5 * forces.fibre().inertia;
   std::int64_t brokenBonds = 0;
   for (int i = 0; i < state.owned(); ++i) {
     const double* v = state.velocity + 3 * i;
     const double* w = state.angular + 3 * i;
+    const Fibre& fibre = forces.kinds()[state.kind(i)];
+    const double halfMass = 0.5 * fibre.mass, halfInertia = 0.5 * fibre.inertia;
     sums[5].add(halfMass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), unit);
     sums[6].add(halfInertia * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]), unit);
     brokenBonds += (state.bond[i] & nextBroken) != 0;

@@ -60,21 +60,21 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
     const double* v = state.velocity + 3 * i;
     const bool free = !(state.group[i] & (1 << leftGripBit | 1 << rightGripBit));
     if (free && gage.contains(along(i)))
-      sum.add(-forces.fibre().mass, {v[0], v[1], v[2]}, {v[0], v[1], v[2]});
+      sum.add(-forces.kinds()[state.kind(i)].mass, {v[0], v[1], v[2]}, {v[0], v[1], v[2]});
     for (const Tie& tie : state.ties(i)) {
       if (tie.broken || !tie.first) continue;
       const int j = domain.partner(state, i, tie);
       if (const double part = gage.part(along(i), along(j)); part > 0) {
         const auto bond = bondGeometry(state, forces.nearest(), i, j);
-        sum.add(part, bond.separation, forces.fibre().bond.force(bond).force);
+        sum.add(part, bond.separation, forces.kinds()[state.kind(i)].bond.force(bond).force);
       }
     }
   }
-  forEachPair(state, forces, thread, [&](const ListPair& p, const Vec3d& d) {
+  forEachPair(state, forces, thread, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
     if (p.i < share.begin || p.i >= share.end) return;
     if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
       sum.add(part, d,
-              forces.pair()->resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
+              force.resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
   });
 }
 
@@ -82,7 +82,7 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
 
 std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
                                  const Tension& tension, const UnitSystem& units) {
-  const Gage gage = findGage(state, tension.axis, forces.fibre().length);
+  const Gage gage = findGage(state, tension.axis, forces.kinds().longest());
   const std::size_t threads = forces.shares().size();
   DyadSum total{forces.energyUnit(), {}};
 #pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(threads))

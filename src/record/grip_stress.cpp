@@ -6,7 +6,7 @@ namespace nanoweft {
 
 std::array<double, 2> gripStress(const State& state, const ForceField& forces, const Tension& t,
                                  const UnitSystem& units) {
-  const SumUnit unit(forces.fibre().bond.stretch * forces.fibre().length);
+  const SumUnit unit(forces.kinds().forceScale());
   ExactSum sums[2];
   for (int i = 0; i < state.owned(); ++i)
     for (int side = 0; side < 2; ++side)

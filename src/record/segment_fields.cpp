@@ -20,7 +20,7 @@ std::vector<SegmentField> emptyFields(int segments) {
 
 void setBondFields(const State& state, const Domain& domain, const ForceField& forces, int i,
                    std::vector<SegmentField>& fields) {
-  const EvmBond& law = forces.fibre().bond;
+  const EvmBond& law = forces.kinds()[state.kind(i)].bond;
   BondEnergy<double> sum;
   auto set = [&](Place place, double value) {
     fields[place].values[static_cast<std::size_t>(i)] = static_cast<float>(value);
@@ -48,16 +48,16 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
 std::vector<SegmentField> segmentFields(const State& state, const Domain& domain,
                                         const ForceField& forces) {
   auto fields = emptyFields(state.owned());
-  std::vector<ExactSum> pairEnergy(forces.pair() ? fields[pair].values.size() : 0);
+  std::vector<ExactSum> pairEnergy(forces.pairs() ? fields[pair].values.size() : 0);
   const SumUnit& unit = forces.energyUnit();
   const auto& shares = forces.shares();
 #pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(shares.size()))
   for (std::size_t t = 0; t < shares.size(); ++t) {
     const Share share = shares[t];
     for (int i = share.begin; i < share.end; ++i) setBondFields(state, domain, forces, i, fields);
-    forEachPair(state, forces, t, [&](const ListPair& p, const Vec3d& d) {
+    forEachPair(state, forces, t, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
       const double half =
-          0.5 * forces.pair()->resolve(d, state.orientation(p.i), state.orientation(p.j)).energy;
+          0.5 * force.resolve(d, state.orientation(p.i), state.orientation(p.j)).energy;
       for (const int k : {p.i, p.j})
         if (k >= share.begin && k < share.end)
           pairEnergy[static_cast<std::size_t>(k)].add(half, unit);

@@ -13,6 +13,7 @@ struct FibreParameters {
   Vec3d start{0, 0, 0}, direction{1, 0, 0};
   double bend = 0, twist = 0, strain = 0;
   bool closed = false;
+  int kind = 0;
 };
 
 class FibreScene final : public Scene {
@@ -55,6 +56,7 @@ class FibreScene final : public Scene {
     const double chord = length_ * (1.0 + p_.strain);
     FibreGeometry g;
     g.closed = p_.closed;
+    g.kind = p_.kind;
     g.position.reserve(static_cast<std::size_t>(p_.segments));
     g.orientation.reserve(static_cast<std::size_t>(p_.segments));
     Vec3d x = p_.start;
@@ -95,12 +97,13 @@ std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& cont
   p.closed = s.flag("fibre_closed", false,
                     "join the last segment to the first (a ring with -fibre_bend "
                     "6.283185307179586, or through a periodic boundary)");
+  p.kind = readSceneKinds(s, "fibre_kind", context.kinds, 1)[0];
   if (use != SceneUse::start) return nullptr;
   if (norm(p.direction) == 0) throw InputError("-fibre_direction: must not be zero");
   if (p.closed && p.segments < 3) throw InputError("-fibre_closed: needs three segments at least");
   // Every rank holds the whole fibre until the shares are made.
   requireMemory(context.comm, p.segments, sizeof(Vec3d) + sizeof(Quatd));
-  return std::make_unique<FibreScene>(p, context.fibre.length);
+  return std::make_unique<FibreScene>(p, context.kinds[p.kind].length);
 }
 
 }  // namespace nanoweft

@@ -1,5 +1,7 @@
 #include "nanoweft/scene/scene.hpp"
 
+#include <algorithm>
+
 #include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
@@ -19,6 +21,26 @@ constexpr Entry scenes[] = {
 };
 
 }  // namespace
+
+std::vector<int> readSceneKinds(OptionSection& section, const std::string& option,
+                                const Kinds& kinds, std::size_t count) {
+  const auto names =
+      section.words(option, count > 1 ? "kinds of the fibres along x and along y; the first of -kinds"
+                                      : "kind of the fibre; the first of -kinds");
+  std::vector<int> numbers(count, 0);
+  if (names.empty()) return numbers;
+  if (names.size() != count)
+    throw InputError(format("-%s: needs %zu name%s", option.c_str(), count, count > 1 ? "s" : ""));
+  const auto known = kinds.names();
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto at = std::ranges::find(known, names[k]);
+    if (at == known.end())
+      throw InputError(
+          format("-%s: '%s' is not among -kinds", option.c_str(), names[k].c_str()));
+    numbers[k] = static_cast<int>(at - known.begin());
+  }
+  return numbers;
+}
 
 std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, bool restarting) {
   std::vector<std::string> names;

@@ -41,7 +41,8 @@ struct CommonLength {
   std::int64_t count, bonds;
 };
 
-CommonLength commonLength(const StartBonds& bonds, double rest) {
+/// Of the bonds of one kind; `rest`: their rest length.
+CommonLength commonLength(const StartBonds& bonds, int kind, double rest) {
   // Counted by logarithm: whole numbers are the same on any number of ranks.
   constexpr double perBin = 0.005, widest = 31.0;
   constexpr auto bins = static_cast<std::size_t>(2 * widest / perBin);
@@ -52,7 +53,9 @@ CommonLength commonLength(const StartBonds& bonds, double rest) {
     return static_cast<std::size_t>(std::clamp(place, 1.0, static_cast<double>(bins) - 2.0));
   };
   std::vector<std::int64_t> count(bins, 0);
-  bonds.forEach([&](const StartBond& b) { ++count[binOf(norm(nearest(b.to - b.from)))]; });
+  bonds.forEach([&](const StartBond& b) {
+    if (s.kind(b.i) == kind) ++count[binOf(norm(nearest(b.to - b.from)))];
+  });
   MPI_Allreduce(MPI_IN_PLACE, count.data(), static_cast<int>(bins), MPI_INT64_T, MPI_SUM, s.comm());
   CommonLength common{0, -1, 0};
   std::size_t best = 1;
@@ -64,6 +67,7 @@ CommonLength commonLength(const StartBonds& bonds, double rest) {
   double ends[2] = {-std::numeric_limits<double>::infinity(), 0};  // of the negative and the length
   bonds.forEach([&](const StartBond& b) {
     const double r = norm(nearest(b.to - b.from));
+    if (s.kind(b.i) != kind) return;
     if (const auto k = binOf(r); k + 1 < best || k > best + 1) return;
     ends[0] = std::max(ends[0], -r);
     ends[1] = std::max(ends[1], r);
@@ -110,7 +114,8 @@ std::string closingCause(const StartContext& c, const WorstBond& worst) {
 
 std::string strainCause(const StartBonds& bonds, const StartContext& c, const WorstBond& worst) {
   const Box& box = bonds.state().box;
-  if (const std::string d = directionsThrough(c.sceneBox, worst, c.fibre.length); !d.empty()) {
+  const double length = c.kinds[worst.kind].length;
+  if (const std::string d = directionsThrough(c.sceneBox, worst, length); !d.empty()) {
     bool changed = false;
     for (std::size_t k = 0; k < 3; ++k)
       changed = changed || (d.find("xyz"[k]) != std::string::npos && box.periodic[k]);
@@ -127,15 +132,15 @@ std::string strainCause(const StartBonds& bonds, const StartContext& c, const Wo
                        : "a scene that is not periodic") +
            ")";
   }
-  const CommonLength common = commonLength(bonds, c.fibre.length);
-  const double ratio = common.length / c.fibre.length;
+  const CommonLength common = commonLength(bonds, worst.kind, length);
+  const double ratio = common.length / length;
   if (10 * common.count >= 9 * common.bonds && std::abs(ratio - 1.0) > fitting) {
     if (const std::string unit = unitBehind(ratio, c.units.name == "si"); !unit.empty())
       return "segments of the length T lie " + unit;
     return format(
         "segments lie %.5g %s apart everywhere, but are %.5g long: give "
         "-fibre_segment_length %.5g, or lay them that far apart",
-        common.length, c.units.length, c.fibre.length, common.length);
+        common.length, c.units.length, length, common.length);
   }
   if (worst.closes) return closingCause(c, worst);
   return "lay neighbours along a fibre one segment length apart, in the order of index";

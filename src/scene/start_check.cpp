@@ -72,6 +72,7 @@ void raise(WorstBond& worst, double value, const StartBond& bond, const State& s
            (s.chain[2 * i] + 1) % length,
            bond.closes,
            bent ? (s.chain[2 * i] + 1) % length : s.chain[2 * i],
+           s.kind(i),
            bond.from,
            bond.to};
 }
@@ -91,12 +92,12 @@ void agreeOnWorst(WorstBond* worst, std::size_t count, MPI_Comm comm, int ranks)
 
 Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& limits) {
   const State& s = bonds.state();
-  const EvmBond& b = c.fibre.bond;
   const MinimumImage nearest(s.box);
-  const SumUnit unit(b.stretch * b.length * b.length);
+  const SumUnit unit(c.kinds.energyScale());
   Survey survey;
   ExactSum energy[2];
   bonds.forEach([&](const StartBond& bond) {
+    const EvmBond& b = c.kinds[s.kind(bond.i)].bond;
     const Vec3d d = nearest(bond.to - bond.from);
     const Vec3d e[2] = {axis1(bond.first), axis1(bond.second)};
     const double off[2] = {angleBetween(e[0], d), angleBetween(e[1], d)};
@@ -143,7 +144,7 @@ std::string measureOf(std::size_t kind, const WorstBond& w, const StartContext& 
   const double angle = w.value / degree;
   switch (kind) {
     case strain: {
-      const double r = norm(nearest(w.to - w.from)), length = c.fibre.length;
+      const double r = norm(nearest(w.to - w.from)), length = c.kinds[w.kind].length;
       const double percent = 100 * (r / length - 1.0);
       return format("the bond between them is %.4g %s long instead of %.4g (strain %+.*f %%)", r,
                     c.units.length, length, std::abs(percent) < 20 ? 1 : 0, percent);

@@ -5,6 +5,7 @@
 /// crossing the two are 2A apart: -weave_gap, by default the distance where two fibres rest.
 /// Segments are set along the curve one bond length (chord) after another, so bonds start
 /// unstretched and fibres cover less ground than their length.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -68,19 +69,23 @@ struct WeaveParameters {
   double pitch = 0;  ///< 0: as the segments allow
   double gap = 0;
   bool periodic = false;
+  int kindX = 0, kindY = 0;
 };
 
 class WeaveScene final : public Scene {
  public:
   WeaveScene(const WeaveParameters& p, const SceneContext& context)
-      : p_(p), amplitude_(0.5 * p.gap), length_(context.fibre.length), unit_(context.units.length) {
-    x_ = family(p.alongY, "x");
-    y_ = family(p.alongX, "y");
+      : p_(p),
+        amplitude_(0.5 * p.gap),
+        longest_(std::max(context.kinds[p.kindX].length, context.kinds[p.kindY].length)),
+        unit_(context.units.length) {
+    x_ = family(p.alongY, context.kinds[p.kindX].length, "x");
+    y_ = family(p.alongX, context.kinds[p.kindY].length, "y");
   }
 
   Box box() const override {
     Box box;
-    const double margin = 4.0 * length_;
+    const double margin = 4.0 * longest_;
     const Family* families[2] = {&x_, &y_};
     for (std::size_t d = 0; d < 2; ++d) {
       const Family& f = *families[d];
@@ -107,25 +112,26 @@ class WeaveScene final : public Scene {
   }
 
  private:
-  Family family(int crossings, const char* direction) const {
+  /// `length`: of a segment.
+  Family family(int crossings, double length, const char* direction) const {
     Family f;
     f.crossings = crossings;
-    const double shortest = 0.2 * length_ * p_.segments / crossings,
-                 longest = length_ * p_.segments / crossings;
+    const double shortest = 0.2 * length * p_.segments / crossings,
+                 longest = length * p_.segments / crossings;
     auto covers = [&](double pitch) {
       const Wave wave(amplitude_, pitch);
-      return crossings * pitch - wave.walk(0.0, length_, p_.segments + 1).back();
+      return crossings * pitch - wave.walk(0.0, length, p_.segments + 1).back();
     };
     const double natural = bisect(shortest, longest, covers);
     f.pitch = p_.pitch > 0 ? p_.pitch : natural;
     const double span = crossings * f.pitch;
     const Wave wave(amplitude_, f.pitch);
     if (p_.periodic) {
-      double chord = length_;
+      double chord = length;
       if (p_.pitch > 0) {
-        chord = bisect(0.5 * length_, 2.0 * length_,
+        chord = bisect(0.5 * length, 2.0 * length,
                        [&](double c) { return wave.walk(0.0, c, p_.segments + 1).back() - span; });
-        if (const double strain = chord / length_ - 1.0; std::abs(strain) > 0.01)
+        if (const double strain = chord / length - 1.0; std::abs(strain) > 0.01)
           throw InputError(
               format("-weave_pitch %g: in a periodic weave this strains the bonds along %s by %.1f "
                      "%%; %g %s "
@@ -138,10 +144,10 @@ class WeaveScene final : public Scene {
     // Centre the fibre on the piece.
     const double guess = 0.5 * (span - natural * crossings);
     const double first = bisect(guess - f.pitch, guess + f.pitch, [&](double from) {
-      const auto s = wave.walk(from, length_, p_.segments);
+      const auto s = wave.walk(from, length, p_.segments);
       return s.front() + s.back() - span;
     });
-    f.places = wave.walk(first, length_, p_.segments);
+    f.places = wave.walk(first, length, p_.segments);
     if (f.places.back() - f.places.front() < (crossings - 1) * f.pitch)
       throw InputError(format(
           "-weave_segments %d: fibres do not reach across %d crossings %g %s apart%s", p_.segments,
@@ -169,6 +175,7 @@ class WeaveScene final : public Scene {
     };
     FibreGeometry g;
     g.closed = p_.periodic;
+    g.kind = alongX ? p_.kindX : p_.kindY;
     std::vector<Vec3d> tangent(static_cast<std::size_t>(n));
     auto unit = [](const Vec3d& v) { return (1.0 / norm(v)) * v; };
     const int firstInner = p_.periodic ? 0 : 1, lastInner = p_.periodic ? n - 1 : n - 2;
@@ -199,7 +206,7 @@ class WeaveScene final : public Scene {
   }
 
   WeaveParameters p_;
-  double amplitude_, length_;
+  double amplitude_, longest_;
   const char* unit_;
   Family x_, y_;
 };
@@ -218,12 +225,15 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
   }
   p.segments =
       static_cast<int>(s.integer("weave_segments", 100, "segments of each fibre", 3, 100000000));
+  const auto kinds = readSceneKinds(s, "weave_kinds", context.kinds, 2);
+  p.kindX = kinds[0];
+  p.kindY = kinds[1];
   p.pitch = s.maybeReal("weave_pitch", "so that the fibres just cover the piece",
                         context.units.length, "distance between neighbouring fibres", positive)
                 .value_or(0.0);
   p.gap = s.maybeReal("weave_gap", "rest distance of the pair law", context.units.length,
                       "distance between the two fibres at a crossing", positive)
-              .value_or(context.restDistance);
+              .value_or(context.restDistance(p.kindX, p.kindY));
   p.periodic = s.flag("weave_periodic", false, "periodic in x and y, every fibre closed on itself");
   if (use != SceneUse::start) return nullptr;
   if (p.periodic && (p.alongX % 2 || p.alongY % 2))

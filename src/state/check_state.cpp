@@ -89,21 +89,14 @@ void checkDatasets(const OpenState& state, bool complete) {
     state.refuse("it has /state/rest_rotation, which this version of nanoweft does not know");
 }
 
-/// There is one kind of segment as yet.
+/// Names of kinds must be texts; their numbers are looked at row by row.
 void checkKinds(const OpenState& state) {
   if (h5::find(state.segments(), rows::kind.name) == h5::Found::nothing) return;
-  std::vector<std::int32_t> kinds;
-  const std::int64_t total = h5::inspect(state.segments(), rows::kind).rows;
-  constexpr std::int64_t blockRows = 1 << 16;
-  for (std::int64_t row = 0; row < total; row += blockRows) {
-    const std::string problem =
-        h5::readRows(state.segments(), rows::kind, row, std::min(blockRows, total - row), kinds);
-    if (!problem.empty()) state.refuse("/state/kind " + problem);
-    if (std::ranges::any_of(kinds, [](std::int32_t k) { return k != 0; }))
-      state.refuse(
-          "/state/kind names several kinds of segments, which this version of nanoweft does not "
-          "know");
-  }
+  const h5::Handle set(H5Dopen2(state.segments(), rows::kind.name, H5P_DEFAULT), H5Dclose);
+  if (H5Aexists(set, kindsAttribute) > 0 && !h5::readTexts(set, kindsAttribute))
+    state.refuse(
+        "the attribute kinds of /state/kind must be names of kinds: an array of texts, or one text "
+        "with commas between them");
 }
 
 }  // namespace

@@ -91,6 +91,10 @@ StateHeader readHeader(const OpenState& file) {
   }
   header.units = *units;
   header.parts = namesOfParts(group);
+  if (header.parts.contains(rows::kind.name)) {
+    const h5::Handle set(H5Dopen2(group, rows::kind.name, H5P_DEFAULT), H5Dclose);
+    header.kinds = h5::readTexts(set, kindsAttribute).value_or(std::vector<std::string>());
+  }
   if (auto step = h5::readIntegers(group, "step"); step && !step->empty()) {
     header.step = (*step)[0];
     header.parts.insert("step");
@@ -178,7 +182,7 @@ struct RawRows {
   std::int64_t first;
   std::vector<double> position, orientation;
   std::vector<std::int64_t> fibre, index, closed;
-  std::vector<std::int32_t> image;
+  std::vector<std::int32_t> image, kind;
   std::vector<std::int8_t> broken;
 
   RawRows(const OpenState& file, const RowBlock& block) : first(block.begin) {
@@ -188,6 +192,7 @@ struct RawRows {
     readRows(file, rows::index, block, index);
     readRows(file, rows::image, block, image);
     readRows(file, rows::bondBroken, block, broken);
+    readRows(file, rows::kind, block, kind);
     if (h5::find(file.segments(), rows::fibreClosed.name) == h5::Found::nothing) return;
     // Every rank reads the whole list of closed fibres.
     readRows(file, rows::fibreClosed,
@@ -300,6 +305,61 @@ std::string problemOfClosed(MPI_Comm comm, const RawRows& raw, const Chains& cha
   return "";
 }
 
+/// For each kind of the file, its number in the run.
+class KindNumbers {
+ public:
+  /// `problem` says what is wrong with the names, or is empty.
+  KindNumbers(const StateHeader& header, const std::vector<std::string>& known) {
+    const std::string ours = listOf(known);
+    if (!header.parts.contains(rows::kind.name)) {
+      if (known.size() > 1)
+        problem = "it has no /state/kind, and the run has the kinds " + ours;
+      numbers_ = {0};
+      return;
+    }
+    if (header.kinds.empty()) {
+      for (std::size_t k = 0; k < known.size(); ++k) numbers_.push_back(static_cast<int>(k));
+      return;
+    }
+    for (const std::string& name : header.kinds) {
+      const auto at = std::ranges::find(known, name);
+      numbers_.push_back(at == known.end() ? -1 : static_cast<int>(at - known.begin()));
+      if (at == known.end() && problem.empty())
+        problem = "its /state/kind has the kind " + name + ", which " +
+                  (known[0].empty() ? "-kinds must name" : "is not among -kinds " + ours);
+    }
+  }
+  /// The number in the run; -1 for one that the file does not explain.
+  int of(std::int32_t kind) const {
+    return kind >= 0 && static_cast<std::size_t>(kind) < numbers_.size()
+               ? numbers_[static_cast<std::size_t>(kind)]
+               : -1;
+  }
+  std::size_t count() const { return numbers_.size(); }
+
+  std::string problem;
+
+ private:
+  static std::string listOf(const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ",") + name;
+    return list;
+  }
+  std::vector<int> numbers_;
+};
+
+/// What is wrong with the kinds of a rank's rows, or nothing.
+std::string problemOfKinds(const RawRows& raw, const KindNumbers& numbers) {
+  for (std::size_t k = 0; k < raw.kind.size(); ++k) {
+    if (numbers.of(raw.kind[k]) < 0)
+      return raw.name(k) + format(": its kind is %d; there are %zu (the first is 0)", raw.kind[k],
+                                  numbers.count());
+    if (k > 0 && raw.fibre[k] == raw.fibre[k - 1] && raw.kind[k] != raw.kind[k - 1])
+      return raw.name(k) + ": it is of another kind than the segment before it on its fibre";
+  }
+  return "";
+}
+
 void fill(State& state, const Box& own, const RawRows& raw, const Chains& chains) {
   for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
     const int i = static_cast<int>(k);
@@ -372,6 +432,11 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
   const Chains chains =
       findChains(comm, state.rank(), state.ranks(), header.rows, block, raw->index);
   agreeOn(problemOfClosed(comm, *raw, chains));
+  const KindNumbers numbers(header, state.kinds);
+  agreeOn(numbers.problem);
+  agreeOn(problemOfKinds(*raw, numbers));
+  for (std::size_t k = 0; k < raw->kind.size(); ++k)
+    state.setKind(static_cast<int>(k), numbers.of(raw->kind[k]));
   fill(state, header.box, *raw, chains);
   state.countTotal();
   state.step = header.step;

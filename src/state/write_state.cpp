@@ -9,6 +9,7 @@
 #include "nanoweft/base/hdf5_driver.hpp"
 #include "nanoweft/base/output_file.hpp"
 #include "nanoweft/state/dataset_writer.hpp"
+#include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/output_target.hpp"
 #include "nanoweft/state/state_file.hpp"
 #include "nanoweft/state/state_format.hpp"
@@ -145,6 +146,17 @@ struct OrderedRows {
   std::vector<std::int32_t> image, bond, chain;
 };
 
+void writeKinds(DatasetWriter& writer, hid_t group, const State& state, const RowOrder& ordered) {
+  std::vector<std::int32_t> kind(static_cast<std::size_t>(state.owned()));
+  for (int i = 0; i < state.owned(); ++i) kind[static_cast<std::size_t>(i)] = state.kind(i);
+  writer.write(group, rows::kind.name, 1, ordered(kind.data(), 1));
+  if (state.rank() != 0) return;
+  std::string names;
+  for (const std::string& name : state.kinds) names += (names.empty() ? "" : ",") + name;
+  const h5::Handle set(H5Dopen2(group, rows::kind.name, H5P_DEFAULT), H5Dclose);
+  writer.note(set.valid() && h5::writeAttribute(set, kindsAttribute, names));
+}
+
 void writeSegments(DatasetWriter& writer, hid_t group, const State& state, const RowOrder& ordered,
                    const OrderedRows& rows, bool forces) {
   const auto n = static_cast<std::size_t>(state.owned());
@@ -177,6 +189,7 @@ void writeSegments(DatasetWriter& writer, hid_t group, const State& state, const
       });
   };
   writeFields(Stored::always);
+  if (state.kinds.size() > 1) writeKinds(writer, group, state, ordered);
   writer.write(group, "bond_broken", 1, broken);
   if (closedFibres > 0) writer.write(group, "fibre_closed", 1, closed);
   if (forces) writeFields(Stored::withForces);

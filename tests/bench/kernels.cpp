@@ -12,7 +12,7 @@
 #include "nanoweft/fibre/bond.hpp"
 #include "nanoweft/fibre/material.hpp"
 #include "nanoweft/force/gather.hpp"
-#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/force/pair_list.hpp"
 
 namespace {
@@ -57,11 +57,11 @@ struct Scene {
   }
 };
 
-std::unique_ptr<PairForce> makeForce(const char* text) {
+std::shared_ptr<PairForce> makeForce(const char* text) {
   petsc(PetscOptionsClear(nullptr));
   petsc(PetscOptionsInsertString(nullptr, text));
   Options options;
-  return readPairForce(options, nanoUnits(), cnt1010(nanoUnits()));
+  return readPairForces(options, nanoUnits(), cnt1010(nanoUnits())).classes()[0].force;
 }
 
 /// Whole passes over the list, as a step makes them.

@@ -28,9 +28,9 @@ class Tubes {
   explicit Tubes(int threads = 2) {
     fill();
     ForceField::Settings settings;
-    settings.fibre = fibre;
+    settings.kinds = fibre;
     Options options;
-    settings.pair = readPairForce(options, nanoUnits(), fibre);
+    settings.pairs = readPairForces(options, nanoUnits(), fibre);
     settings.threads = threads;
     forces = std::make_unique<ForceField>(std::move(settings), box);
     forces->rebuild(state, domain);

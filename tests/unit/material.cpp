@@ -10,7 +10,7 @@
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
 #include "nanoweft/force/hertz.hpp"
-#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/force/vdw.hpp"
 
@@ -34,10 +34,10 @@ Fibre fibreOf(const std::string& text, const UnitSystem& units) {
   return with(text, [&](Options& options) { return readFibre(options, units); });
 }
 
-std::unique_ptr<PairForce> pairOf(const std::string& text, const UnitSystem& units) {
+std::shared_ptr<PairForce> pairOf(const std::string& text, const UnitSystem& units) {
   return with(text, [&](Options& options) {
     const Fibre fibre = readFibre(options, units);
-    return readPairForce(options, units, fibre);
+    return readPairForces(options, units, fibre).classes()[0].force;
   });
 }
 
@@ -141,7 +141,8 @@ TEST(PairDefaults, TheGapDoesNotGrowWithTheTube) {
 TEST(PairDefaults, CrossedHertzFibresPressAsHertzSaysAtATenthOfARadius) {
   // F = 2 pi r w(r) for crossed fibres, w = u/(2 rf)^2.
   const double radius = 3.5e-6, young = 15e9, poisson = 0.07, overlap = 0.1 * radius;
-  const double K = hertzStiffness(young, poisson, radius), r = 2 * radius - overlap;
+  const ContactSide side{radius, young, poisson};
+  const double K = hertzStiffness(side, side), r = 2 * radius - overlap;
   const Hertz law(K, radius);
   const double force = 2 * pi * r * law(r * r).energy / (4 * radius * radius);
   const double reduced = young / (2 * (1 - poisson * poisson));
@@ -186,7 +187,7 @@ TEST(ForceError, WhereTheEstimateWouldTakeMinutesThereIsNone) {
 TEST(ForceError, PointsTooCoarseForTheLawAreNamed) {
   const Fibre tube = cnt1010(nanoUnits());
   auto warnings = [&](const char* text) {
-    return pointWarnings(*pairOf(text, nanoUnits()), tube, nanoUnits());
+    return pointWarnings(*pairOf(text, nanoUnits()), tube, tube, nanoUnits());
   };
   EXPECT_TRUE(warnings("").empty());
   EXPECT_TRUE(warnings("-pair_points 2").empty());  // 6.78 A apart, 0.8 of 11.45 A is 9.16 A

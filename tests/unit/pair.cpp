@@ -26,7 +26,7 @@ template <class Law>
 PairResult<double> resolve(const Law& law, int points, const Vec3d& separation, const Quatd& qi,
                            const Quatd& qj) {
   const Vec3d ei = axis1(qi), ej = axis1(qj);
-  const KernelUnits units{length, law.cutoff(), 1.0, 1.0};
+  const KernelUnits units{length, law.cutoff(), 1.0, 1.0, points};
   switch (points) {
     case 1:
       return resolvePair<true, 1>(law, units, separation, ei, ej);

@@ -10,19 +10,19 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
-#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_forces.hpp"
 
 namespace nanoweft::test {
 
 inline constexpr double length = 13.56;
 
-inline std::unique_ptr<PairForce> makeForce(const std::string& options) {
+inline std::shared_ptr<PairForce> makeForce(const std::string& options) {
   petsc(PetscOptionsClear(nullptr));
   petsc(PetscOptionsInsertString(nullptr, options.c_str()));
   Options read;
-  auto force = readPairForce(read, nanoUnits(), cnt1010(nanoUnits()));
+  const PairForces pairs = readPairForces(read, nanoUnits(), cnt1010(nanoUnits()));
   petsc(PetscOptionsClear(nullptr));
-  return force;
+  return pairs ? pairs.classes()[0].force : nullptr;
 }
 
 struct Pose {

@@ -9,9 +9,8 @@
 #include "nanoweft/app/settings.hpp"
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/provenance.hpp"
-#include "nanoweft/fibre/breakage_law.hpp"
-#include "nanoweft/fibre/material.hpp"
-#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/motion/boundary.hpp"
 #include "nanoweft/scene/scene.hpp"
 #include "nanoweft/state/state_file.hpp"
@@ -25,8 +24,9 @@ struct RunPlan {
   RunPlan(const RunPlan&) = delete;
   RunPlan& operator=(const RunPlan&) = delete;
 
-  /// Distance of two fibres that touch. Only until `pair` has been handed to the forces.
-  double restDistance() const;
+  /// Distance of two fibres of such kinds that touch. Only until `pairs` has been handed to the
+  /// forces.
+  double restDistance(int a, int b) const;
   /// Of the file that the state comes from, or null.
   const StateHeader* startHeader() const { return checkpoint ? &*checkpoint : scene->header(); }
   bool breaks() const { return breakage || (startHeader() && startHeader()->anyBroken); }
@@ -42,10 +42,10 @@ struct RunPlan {
   std::string restart;                    ///< file that the run goes on from; empty: a new run
   std::optional<StateHeader> checkpoint;  ///< of that file
   const UnitSystem& units;
-  Fibre fibre;
-  std::unique_ptr<PairForce> pair;
+  Kinds kinds;
+  PairForces pairs;
   RunSettings settings;
-  std::optional<BreakageLaw> breakage;
+  Breakage breakage;
   std::unique_ptr<Scene> scene;  ///< null in a restart
   Boundaries boundaries;
   Observers observers;

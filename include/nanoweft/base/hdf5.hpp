@@ -58,6 +58,9 @@ bool writeScalar(hid_t object, const char* name, std::int64_t value);
 /// One text; without the blanks of a type that is padded with them. Empty when the attribute is
 /// missing, no text, or several.
 std::optional<std::string> readText(hid_t object, const char* name);
+/// Several texts: an array of them, or one with commas between them. Empty when the attribute is
+/// missing or no text.
+std::optional<std::vector<std::string>> readTexts(hid_t object, const char* name);
 /// Empty when the attribute is missing, holds no numbers, or more than a file may hold.
 std::optional<std::vector<double>> readReals(hid_t object, const char* name);
 /// Also of real numbers that are whole. Empty when one is not, or has no place in 64 bits.

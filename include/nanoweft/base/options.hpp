@@ -7,6 +7,9 @@
 /// A section that does not apply to the run (`scene weave` options when `-scene file`) is given as
 /// inactive with its reason: options set in it are then refused as unused.
 ///
+/// Where a run has several things of a sort (kinds of fibre), an OptionPrefix makes the sections
+/// opened while it lives look for `-PREFIX_name` first; `-name` alone is meant for all.
+///
 /// Every option that is read is noted with its value, its default and its role (what it may
 /// change), in one way of writing for each value (`base/canonical.hpp`). From this come the
 /// provenance of results and the rules of a restart: it has the options of its checkpoint, and
@@ -88,15 +91,34 @@ class Options {
 
  private:
   friend class OptionSection;
+  friend class OptionPrefix;
   /// Value of an option in the checkpoint that the run goes on from.
   std::optional<std::string> recorded(const std::string& name) const;
 
   bool help_ = false;
+  std::string prefix_;  ///< with its underscore, of the sections to be opened
   std::vector<Topic> topics_;
   std::map<std::string, Reading> readings_;
+  /// Options meant for all kinds that some kind does not use, with the reason, and those that some
+  /// kind uses.
+  std::map<std::string, std::string> leftOut_;
+  std::set<std::string> used_;
   std::set<std::string> countWhenGiven_;  ///< giving them has an effect even at their default
   std::string checkpoint_;                ///< that the run goes on from, or empty
   std::map<std::string, std::string> recorded_, inForce_;
+};
+
+/// While it lives, sections that are opened look for `-PREFIX_name` before `-name`.
+class OptionPrefix {
+ public:
+  OptionPrefix(Options& options, const std::string& prefix);
+  ~OptionPrefix();
+  OptionPrefix(const OptionPrefix&) = delete;
+  OptionPrefix& operator=(const OptionPrefix&) = delete;
+
+ private:
+  Options& options_;
+  std::string before_;
 };
 
 class OptionSection {
@@ -137,6 +159,8 @@ class OptionSection {
     const std::string& name;
     std::string shown, unit, help;
   };
+  /// The name under which an option is in force: with the prefix where it is set so.
+  std::string inForce(const std::string& name) const;
   /// What the user set it to.
   std::optional<std::string> ownText(const std::string& name) const;
   /// The value in force, made of its text by `parse`, noted and compared with the checkpoint's;
@@ -148,6 +172,7 @@ class OptionSection {
                            const Options::Reading& reading) const;
 
   Options& options_;
+  std::string prefix_;
   std::size_t topic_;
   bool active_;
   std::string reason_;

@@ -40,13 +40,15 @@ struct BondForce {
   V length{};                ///< r
 };
 
-/// The law: its rest length and stiffnesses in internal units, and what they do.
-struct EvmBond {
-  double length = 0;   ///< T: rest length
-  double stretch = 0;  ///< B1 = E S/T                   (eV/A^2)
-  double shear = 0;    ///< B2 = 12 E J/T                (eV)
-  double bending = 0;  ///< B3 = -2 E J/T - G Jp/(2T)    (eV)
-  double torsion = 0;  ///< B4 = G Jp/T                  (eV)
+/// The law: its rest length and stiffnesses in internal units, and what they do. `C` is double, or
+/// a SIMD vector where each lane's bond has its own.
+template <class C>
+struct EvmBondOf {
+  C length{};   ///< T: rest length
+  C stretch{};  ///< B1 = E S/T                   (eV/A^2)
+  C shear{};    ///< B2 = 12 E J/T                (eV)
+  C bending{};  ///< B3 = -2 E J/T - G Jp/(2T)    (eV)
+  C torsion{};  ///< B4 = G Jp/T                  (eV)
 
   template <class V>
   NW_INLINE BondForce<V> force(const BondGeometry<V>& bond) const {
@@ -90,5 +92,6 @@ struct EvmBond {
     return parts;
   }
 };
+using EvmBond = EvmBondOf<double>;
 
 }  // namespace nanoweft

@@ -32,6 +32,8 @@ struct Fibre {
   double inertia = 0;  ///< of a segment, isotropic
   EvmBond bond;
 
+  std::string kind;  ///< its name among -kinds
+
   // What other defaults follow from:
   std::string preset;        ///< name of what the options started from
   std::string law = "none";  ///< usual -pair

@@ -2,13 +2,12 @@
 /// them; it adds their forces and drops the bonds that break.
 #pragma once
 
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/domain/domain.hpp"
-#include "nanoweft/fibre/bond.hpp"
-#include "nanoweft/fibre/breakage_law.hpp"
+#include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/force/pair_list.hpp"
 #include "nanoweft/state/state.hpp"
 
@@ -30,13 +29,13 @@ class BondList {
 
   /// What an evaluation of bonds needs.
   struct Terms {
-    const EvmBond& law;
+    const Kinds& kinds;
     const MinimumImage& nearest;
     bool energies, mayBreak;  ///< mayBreak: bonds beyond their critical strain break
   };
 
   void build(const State& state, const Domain& domain, const std::vector<Share>& shares,
-             const std::optional<BreakageLaw>& law);
+             const Breakage& breakage);
 
   /// Adds the forces and torques of one part of a thread's bonds to the thread's segments.
   void add(State& state, const Terms& terms, int thread, Share share, Part part, BondTally& tally);
@@ -60,9 +59,17 @@ class BondList {
     std::vector<Entry> parts[3];  ///< by Part; the own bonds ascend by max(i, j), for addUpTo
     std::size_t next = 0;         ///< the first own bond that addUpTo has not added yet
   };
+  /// Some consecutive bonds of a list.
+  struct Stretch {
+    std::span<Entry> bonds;
+    const Entry* listEnd;  ///< the thread prefetches segments of bonds up to here
+  };
   static void dropBroken(std::vector<Entry>& bonds, BondTally& tally);
   void add(State& state, const Terms& terms, Share share, std::vector<Entry>& bonds,
            std::size_t first, std::size_t last, BondTally& tally);
+  template <class Laws>
+  void addWith(const Laws& laws, State& state, const Terms& terms, Share share,
+               const Stretch& stretch, BondTally& tally);
 
   std::vector<ThreadBonds> threads_;
   bool breakable_ = false;

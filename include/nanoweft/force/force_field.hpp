@@ -1,11 +1,11 @@
 /// The force field: evaluates all forces of bonds and pairs, on all threads and ranks.
 #pragma once
 
-#include <memory>
-#include <optional>
+#include <functional>
+#include <vector>
 
 #include "nanoweft/domain/domain.hpp"
-#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/force/list_keeper.hpp"
 
 namespace nanoweft {
@@ -27,14 +27,16 @@ struct ForceRequest {
 class ForceField {
  public:
   struct Settings {
-    Fibre fibre;
-    std::unique_ptr<PairForce> pair;  ///< empty: none
-    std::optional<BreakageLaw> breakage;
-    ViscousDamping viscous;
+    Kinds kinds;
+    PairForces pairs;
+    Breakage breakage;
+    ViscousDamping viscous;  ///< of lengths of 2 rf
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;
   };
   explicit ForceField(Settings settings, const Box& box);
+  ForceField(const ForceField&) = delete;
+  ForceField& operator=(const ForceField&) = delete;
 
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
@@ -47,13 +49,13 @@ class ForceField {
   /// a ForcePass.
   ForceOutcome evaluate(State& state, Halo& halo, const ForceRequest& request);
 
-  const Fibre& fibre() const { return settings_.fibre; }
-  const PairForce* pair() const { return settings_.pair.get(); }
+  const Kinds& kinds() const { return settings_.kinds; }
+  const PairForces& pairs() const { return settings_.pairs; }
   ListKeeper& lists() { return lists_; }
   const ListKeeper& lists() const { return lists_; }
   const std::vector<Share>& shares() const { return lists_.shares(); }
   const MinimumImage& nearest() const { return nearest_; }
-  const std::optional<BreakageLaw>& breakage() const { return settings_.breakage; }
+  const Breakage& breakage() const { return settings_.breakage; }
   const SumUnit& energyUnit() const { return energyUnit_; }
   bool viscous() const { return static_cast<bool>(settings_.viscous); }
   std::int64_t pairsResolved() const { return resolved_; }
@@ -113,12 +115,17 @@ class ForcePass {
   bool owed_;
 };
 
-/// The smallest distance of points over all listed pairs, and the segments it belongs to.
+/// Of all listed pairs, that whose points come closest, measured by the least distance which their
+/// kinds may have.
 struct ClosestPair {
-  double distance;
+  double distance;  ///< of two points
+  double least;     ///< that they may have
+  double sensible;  ///< below which the fibres have passed through each other
   std::int64_t fibre[2];
   std::int32_t index[2];
 };
-ClosestPair findClosestPair(const State& state, const ForceField& forces);
+/// `least(pair force)`: the least distance that points may have. Collective.
+ClosestPair findClosestPair(const State& state, const ForceField& forces,
+                            const std::function<double(const PairForce&)>& least);
 
 }  // namespace nanoweft

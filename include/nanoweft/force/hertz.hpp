@@ -19,10 +19,24 @@ namespace nanoweft {
 /// Overlap over rf for which -hertz_stiffness follows from the modulus.
 inline constexpr double hertzOverlap = 0.1;
 
-/// K for fibres of a transverse modulus `young` and Poisson's ratio `poisson`.
-inline double hertzStiffness(double young, double poisson, double radius) {
-  const double reduced = young / (2.0 * (1.0 - poisson * poisson));
-  return 4.0 / (3.0 * std::numbers::pi) * reduced * std::sqrt(radius) / hertzOverlap;
+/// What a contact sees of one fibre: radius, and modulus and Poisson's ratio across the axis.
+struct ContactSide {
+  double radius, young, poisson;
+
+  double compliance() const { return (1.0 - poisson * poisson) / young; }
+};
+
+/// K of two fibres. Of unequal ones, w = u/(4 ra rb), Hertz's force is that of R = sqrt(ra rb), and
+/// the overlap is a tenth of the smaller radius.
+inline double hertzStiffness(const ContactSide& a, const ContactSide& b) {
+  // Written so that equal fibres get the plain formula's bits.
+  const bool equal = a.compliance() == b.compliance();
+  const double reduced = equal ? a.young / (2.0 * (1.0 - a.poisson * a.poisson))
+                               : 1.0 / (a.compliance() + b.compliance());
+  const double mean = a.radius == b.radius ? a.radius : std::sqrt(a.radius * b.radius),
+               thinner = a.radius < b.radius ? a.radius : b.radius;
+  const double unequal = 2.0 * a.radius * b.radius / ((a.radius + b.radius) * thinner);
+  return 4.0 / (3.0 * std::numbers::pi) * reduced * std::sqrt(mean) * unequal / hertzOverlap;
 }
 
 class Hertz {

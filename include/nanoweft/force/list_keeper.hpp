@@ -7,13 +7,12 @@
 /// depends on them.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "nanoweft/domain/domain.hpp"
-#include "nanoweft/fibre/breakage_law.hpp"
+#include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/force/bond_list.hpp"
-#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/force/pair_list.hpp"
 
 namespace nanoweft {
@@ -21,13 +20,14 @@ namespace nanoweft {
 class ListKeeper {
  public:
   struct Settings {
-    double segmentLength = 0;
-    std::optional<BreakageLaw> breakage;
+    const Kinds& kinds;
+    const Breakage& breakage;
+    const PairForces& pairs;
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;
   };
-  /// `pair`: null without pair forces; must outlive this.
-  ListKeeper(Settings settings, const PairForce* pair, const Box& box);
+  /// What the settings refer to must outlive this.
+  ListKeeper(const Settings& settings, const Box& box);
 
   /// Takes effect at the next rebuild.
   void setThreads(int threads) { settings_.threads = threads; }
@@ -46,15 +46,16 @@ class ListKeeper {
   bool moved(const double* x, int i) const {
     return !(squaredWay(x, reference_, i) <= 0.25 * margin_ * margin_);
   }
-  bool tracksMotion() const { return pair_ != nullptr; }
+  bool tracksMotion() const { return static_cast<bool>(settings_.pairs); }
 
   const std::vector<Share>& shares() const { return shares_; }
   BondList& bonds() { return bonds_; }
   const BondList& bonds() const { return bonds_; }
-  PairList& pairs() { return pairs_; }
-  const PairList& pairs() const { return pairs_; }
-  /// Reach of the pair list: cutoff, segment and skin.
-  double range() const { return pair_ ? pair_->reach() + skin_ : 0.0; }
+  /// The pair lists, one for each of PairForces::classes.
+  std::vector<PairList>& pairs() { return pairs_; }
+  const std::vector<PairList>& pairs() const { return pairs_; }
+  /// The largest reach of a pair list: cutoff, segment and skin.
+  double range() const { return settings_.pairs ? settings_.pairs.reach() + skin_ : 0.0; }
   std::int64_t rebuilds() const { return rebuilds_; }
 
   /// The margin with which the next evaluation has to draw its pairs, once; 0: they still hold.
@@ -72,20 +73,20 @@ class ListKeeper {
     for (int d = 0; d < 3; ++d)
       reference_[static_cast<std::size_t>(3 * i + d)] = state.pose[8 * i + d];
   }
-  void makePairList(State& state, const Domain& domain, const CellIndex& cells);
+  void makePairLists(State& state, const Domain& domain, const CellIndex& cells);
+  void listKinds(const State& state);
   void startDrawing(const State& state);
   void tuneMargin(const State& state);
   void tuneSkin(const State& state);
   void noteWork(const State& state, Domain& domain);
 
   Settings settings_;
-  const PairForce* pair_;
   MinimumImage nearest_;
   double skin_, skinLimit_;  ///< of the pair list
   double margin_;            ///< of the drawn pairs
   bool outdated_ = false;
   bool draw_ = false;  ///< the next evaluation draws its pairs anew
-  PairList pairs_;
+  std::vector<PairList> pairs_;
   BondList bonds_;
   std::vector<Share> shares_;
   std::vector<double> listed_;     ///< [3]: where segments were at the rebuild

@@ -1,12 +1,13 @@
 /// The interface of pair forces between segments of different fibres. A pair law w(r), an energy
 /// per length squared, is summed over n quadrature points on each axis:
 ///
-///     U_ij = (T^2/n^2) sum_a sum_b w(|p_jb - p_ia|),   p_ia = x_i + (a - (n-1)/2) T/n e1_i
+///     U_ij = (Ti Tj/(ni nj)) sum_a sum_b w(|p_jb - p_ia|),   p_ia = x_i + (a - (ni-1)/2) Ti/ni e1_i
 ///
 /// Therefore the force between two fibres does not depend on T beyond the quadrature error. The
-/// code of a law computes u = T^2 w. Pairs far apart may use fewer points; pair_sift.hpp says how
+/// code of a law computes u = Ti Tj w. The two segments may be of different kinds; then i is the
+/// one of the kind that PairForces::Class names first. Pairs far apart may use fewer points; pair_sift.hpp says how
 /// one sum gives way to the other. Laws are chosen by name. A new law is a header like hertz.hpp,
-/// an entry in pair_force_read.cpp and a makePairForce in pair_force.cpp; that file instantiates
+/// an entry in pair_forces_read.cpp and a makePairForce in pair_force.cpp; that file instantiates
 /// the kernels and takes long to compile.
 #pragma once
 
@@ -14,6 +15,7 @@
 #include <memory>
 #include <string>
 
+#include "nanoweft/base/both.hpp"
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/force/pair_draw.hpp"
 #include "nanoweft/force/sums.hpp"
@@ -22,16 +24,17 @@
 
 namespace nanoweft {
 
-class Options;
 class PairTable;
 class Hertz;
-struct Fibre;
-struct UnitSystem;
+
+class PairForce;
 
 /// Viscous damping of interacting pairs (model.md 5): -g (v_i - v_j), -g_w (w_i - w_j).
 struct ViscousDamping {
   double linear = 0, angular = 0;
   explicit operator bool() const { return linear > 0 || angular > 0; }
+  /// From that of two lengths of 2 rf to that of two segments: it is a rate per length squared.
+  ViscousDamping between(const PairForce& force) const;
 };
 
 /// One thread's share of the pair sum. The thread adds forces to its segments begin <= k < end
@@ -64,13 +67,15 @@ struct PairAction {
   Vec3d force;
 };
 
-/// How many quadrature points a segment has in near pairs and in far pairs.
+/// How many quadrature points the segments of a pair have, when it is near and when it is far.
 struct PointChoice {
-  int near = 3, far = 3;
+  Both<int> near = 3, far = 3;
   Switch blend;  ///< centre distances where `far` takes over; at infinity when it never does
 };
 
-inline constexpr int mostPairPoints = 9;
+inline constexpr int mostPairPoints = 99;
+/// Up to this number, equal for both segments, a kernel is compiled for each.
+inline constexpr int mostCompiledPoints = 9;
 
 /// Properties of a law that other code asks for.
 struct PairTraits {
@@ -78,6 +83,7 @@ struct PairTraits {
   double cutoff = 0;            ///< distance of points beyond which there is no force
   double restDistance = 0;      ///< of two fibres that touch
   double closestSensible = 0;   ///< below it fibres have passed through each other
+  Both<double> radius;          ///< of the fibres
   double contactStiffness = 0;  ///< bound of u'' in repulsive contact
   double largestForce = 0;      ///< bound of |u'|
 };
@@ -85,8 +91,8 @@ struct PairTraits {
 /// Settings of the sum that are the same for all laws.
 struct PairChoice {
   PointChoice points;
-  int exclude = 20;   ///< segments of one fibre interact from this many places apart
-  double length = 0;  ///< T of a segment
+  int exclude = 20;     ///< segments of one fibre interact from this many places apart
+  Both<double> length;  ///< T of the segments
   bool single = false;
 };
 
@@ -103,8 +109,8 @@ class PairForce {
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
   /// Resolves one pair by itself, for observers and estimates; `separation` = x_j - x_i.
   virtual PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
-  /// The same with `n` points a segment, however far it is; ei, ej: axes.
-  virtual PairAction average(int n, const Vec3d& separation, const Vec3d& ei,
+  /// The same with `n` points on the segments, however far they are; ei, ej: axes.
+  virtual PairAction average(Both<int> n, const Vec3d& separation, const Vec3d& ei,
                              const Vec3d& ej) const = 0;
   /// Smallest distance of two points of the pair.
   virtual double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
@@ -118,14 +124,23 @@ class PairForce {
   double restDistance() const { return traits_.restDistance; }
   double closestSensible() const { return traits_.closestSensible; }
   double contactStiffness() const { return traits_.contactStiffness; }
+  /// Places of the outermost points of near pairs, from the centres.
+  Both<double> pointSpan() const;
+  Both<double> radius() const { return traits_.radius; }
+  Both<double> length() const { return length_; }
+  double largestForce() const { return traits_.largestForce; }
   double forceUnit() const { return forceUnit_; }
   double torqueUnit() const { return torqueUnit_; }
+  /// Sets the units of the integer sums, which all pair forces on a segment must share: for forces
+  /// up to `largest` and segments up to `length`.
+  void setUnits(double largest, double length);
 
  protected:
   PairTraits traits_;
   PointChoice points_;
   int exclude_ = 0;
-  double length_ = 0, cutoff_ = 0, reach_ = 0;
+  Both<double> length_;
+  double cutoff_ = 0, reach_ = 0;
   double forceUnit_ = 1, torqueUnit_ = 1;
 };
 
@@ -135,13 +150,5 @@ std::unique_ptr<PairForce> makePairForce(const Hertz& law, const PairTraits& tra
                                          const PairChoice& choice);
 /// Is -pair_precision single faster than double in this build?
 bool singlePrecisionPays();
-
-/// Reads -pair and the options of the laws (pair_force_read.cpp); empty for `none`.
-std::unique_ptr<PairForce> readPairForce(Options& options, const UnitSystem& units,
-                                         const Fibre& fibre);
-
-/// Resting distance of two fibres under the preset's law with its default parameters. A scene
-/// without pair forces lays its fibres at this distance.
-double usualRestDistance(const Fibre& fibre, const UnitSystem& units);
 
 }  // namespace nanoweft

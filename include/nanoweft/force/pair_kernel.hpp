@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "nanoweft/base/both.hpp"
 #include "nanoweft/base/floats.hpp"
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/pair_force.hpp"
@@ -38,16 +39,28 @@ NW_INLINE PairShape<V> shapeOf(const Vec3<V>& separation, const Vec3<V>& ei, con
           fusedDot(ei, ej)};
 }
 
-/// Where a point lies along its segment.
-template <int N>
-NW_INLINE double pointPlace(int k, double length) {
-  return (k - 0.5 * (N - 1)) / N * length;
+/// Where point k of n lies along its segment.
+NW_INLINE double pointPlace(int k, int n, double length) {
+  return (k - 0.5 * (n - 1)) / n * length;
 }
 
 template <class V>
 NW_INLINE V squaredDistance(const PairShape<V>& shape, double sa, double sb) {
   const V from2 = shape.center2 + sa * (sa - 2.0 * shape.alongI);
   return from2 + sb * (sb + 2.0 * (shape.alongJ - sa * shape.cosine));
+}
+
+/// The force of a point pair, u'(r)/r; adds its energy. Values beyond the cutoff are zero, so no
+/// lane needs a mask.
+template <bool Energies, class Law, class V>
+NW_INLINE V addPoint(const Law& law, const V& r2, PointSums<V>& sums) {
+  if constexpr (Energies) {
+    const PairValue<V> value = law(r2);
+    sums.energy += value.energy;
+    return value.slope;
+  } else {
+    return law.slope(r2);
+  }
 }
 
 /// Sums a law over the points of a pair. Distances of points follow from the dot products in
@@ -57,16 +70,9 @@ template <bool Energies, int N, class Law, class V>
 NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<V>& shape) {
   PointSums<V> sums;
   auto forceAt = [&](const V& r2) __attribute__((always_inline)) {
-    // Law values beyond the cutoff are zero, so no lane needs a mask.
-    if constexpr (Energies) {
-      const PairValue<V> value = law(r2);
-      sums.energy += value.energy;
-      return value.slope;
-    } else {
-      return law.slope(r2);
-    }
+    return addPoint<Energies>(law, r2, sums);
   };
-  auto place = [&](int k) { return pointPlace<N>(k, length); };
+  auto place = [&](int k) { return pointPlace(k, N, length); };
 #pragma GCC unroll 3
   for (int a = 0; a < N; ++a) {
     const double sa = place(a);
@@ -102,23 +108,68 @@ NW_INLINE PointSums<V> sumPoints(const Law& law, double length, const PairShape<
   return sums;
 }
 
-/// What the kernels of a law share: segment length, cutoff, and the units of the integer sums,
-/// which are powers of two.
+/// What the kernels of a law share: segments and their points, cutoff, and the units of the integer
+/// sums, which are powers of two.
 struct KernelUnits {
-  double length, cutoff, force, torque;
+  Both<double> length;
+  double cutoff, force, torque;
+  Both<int> points;
 };
 
-/// Force and torques of a pair (means over N x N points) in units of the integer sums; its energy
+/// In place of a number of points N that is equal for both segments and known to the compiler: the
+/// numbers and lengths are those of KernelUnits.
+inline constexpr int anyPoints = 0;
+
+/// As `sumPoints` with any numbers of points. Points of i that are out of reach of all of j in every
+/// lane are left out, which matters for long segments.
+template <bool Energies, class Law, class V>
+NW_INLINE PointSums<V> sumAnyPoints(const Law& law, const KernelUnits& units,
+                                    const PairShape<V>& shape) {
+  PointSums<V> sums;
+  const auto [ni, nj] = units.points;
+  const double reach = units.cutoff + 0.5 * units.length.j, reach2 = reach * reach;
+  for (int a = 0; a < ni; ++a) {
+    const double sa = pointPlace(a, ni, units.length.i);
+    const V from2 =
+        multiplyAdd(number<V>(-2.0 * sa), shape.alongI, V(shape.center2 + number<V>(sa * sa)));
+    if (lanesBelow(from2, reach2) == 0) continue;
+    const V along = number<V>(2.0) * multiplyAdd(number<V>(-sa), shape.cosine, shape.alongJ);
+    V row = number<V>(0.0), rowB = number<V>(0.0);
+    for (int b = 0; b < nj; ++b) {
+      const double sb = pointPlace(b, nj, units.length.j);
+      const V r2 = multiplyAdd(number<V>(sb), along, V(from2 + number<V>(sb * sb)));
+      const V f = addPoint<Energies>(law, r2, sums);
+      row += f;
+      rowB = multiplyAdd(number<V>(sb), f, rowB);
+    }
+    sums.f += row;
+    sums.b += rowB;
+    sums.a = multiplyAdd(number<V>(sa), row, sums.a);
+    sums.ab = multiplyAdd(number<V>(sa), rowB, sums.ab);
+  }
+  return sums;
+}
+
+template <bool Energies, int N, class Law, class V>
+NW_INLINE PointSums<V> sumPairPoints(const Law& law, const KernelUnits& units,
+                                     const PairShape<V>& shape) {
+  if constexpr (N == anyPoints)
+    return sumAnyPoints<Energies>(law, units, shape);
+  else
+    return sumPoints<Energies, N>(law, units.length.i, shape);
+}
+
+/// Force and torques of a pair (means over its points) in units of the integer sums; its energy
 /// in the unit of force times one length. The few sums over points are scaled instead of all
 /// components; since units are powers of two, that changes no bits.
 template <int N, class V>
 NW_INLINE PairResult<V> assemble(const PointSums<V>& sums, const KernelUnits& units,
                                  const Vec3<V>& separation, const Vec3<V>& ei, const Vec3<V>& ej) {
   PairResult<V> result;
-  constexpr double share = 1.0 / (N * N);
+  const double share = N == anyPoints ? 1.0 / (units.points.i * units.points.j) : 1.0 / (N * N);
   const V perForce(share / units.force), f = perForce * sums.f;
   result.energy = perForce * sums.energy;
-  if constexpr (N > 1) {
+  if constexpr (N != 1) {
     const V perTorque(share / units.torque), ab = perTorque * sums.ab;
     result.force = multiplyAdd(V(perForce * sums.b), ej,
                                multiplyAdd(V(-(perForce * sums.a)), ei, f * separation));
@@ -135,7 +186,7 @@ template <bool Energies, int N, class Law, class V>
 NW_INLINE PairResult<V> resolvePair(const Law& law, const KernelUnits& units,
                                     const Vec3<V>& separation, const Vec3<V>& ei,
                                     const Vec3<V>& ej) {
-  const auto sums = sumPoints<Energies, N>(law, units.length, shapeOf(separation, ei, ej));
+  const auto sums = sumPairPoints<Energies, N>(law, units, shapeOf(separation, ei, ej));
   return assemble<N>(sums, units, separation, ei, ej);
 }
 
@@ -154,7 +205,7 @@ struct LaneRow {
         place(k),
         separation((*job.nearest)(gatherPositions(job.pose, j) - xi)),
         ei(axis) {
-    if constexpr (N > 1) ej = axis1(gatherOrientations(job.pose, j));
+    if constexpr (N != 1) ej = axis1(gatherOrientations(job.pose, j));
   }
   NW_INLINE PairShape<Lanes> shape() const { return shapeOf(separation, ei, ej); }
   /// False for padding lanes, those whose first segment has no partner left.
@@ -168,9 +219,10 @@ template <int N>
                                   const LaneRow<N>& row) {
   const auto shape = row.shape();
   Lanes closest2(std::numeric_limits<double>::infinity());
-  for (int a = 0; a < N; ++a)
-    for (int b = 0; b < N; ++b) {
-      const double sa = pointPlace<N>(a, units.length), sb = pointPlace<N>(b, units.length);
+  const auto [ni, nj] = units.points;
+  for (int a = 0; a < ni; ++a)
+    for (int b = 0; b < nj; ++b) {
+      const double sa = pointPlace(a, ni, units.length.i), sb = pointPlace(b, nj, units.length.j);
       closest2 = smaller(squaredDistance(shape, sa, sb), closest2);
     }
   const unsigned touching = lanesBelow(closest2, units.cutoff * units.cutoff);
@@ -200,7 +252,7 @@ class LaneSums {
  public:
   NW_INLINE LaneSums(const PairJob& job, const LaneGroup& group)
       : job_(job), group_(group), x_(gatherPositions(job.pose, group.first)) {
-    if constexpr (N > 1) e_ = axis1(gatherOrientations(job.pose, group.first));
+    if constexpr (N != 1) e_ = axis1(gatherOrientations(job.pose, group.first));
     count_ = toLanes(loadNumbers(group.count));
   }
 
@@ -227,7 +279,7 @@ class LaneSums {
       total_[c] += force[c];
       onJ[c] = -force[c];
     }
-    if constexpr (N > 1) {
+    if constexpr (N != 1) {
       whole(torque, pair.torqueI);
       for (int c = 0; c < 3; ++c) total_[3 + c] += torque[c];
       whole(onJ + 3, pair.torqueJ);
@@ -280,7 +332,7 @@ NW_INLINE void fetchAhead(const PairJob& job, const std::int32_t* partners,
   }
 }
 
-/// Adds the forces of pairs with N points on each axis; `weight` multiplies the pairs' energies.
+/// Adds the forces of pairs with N (or any) points on each axis; `weight` multiplies the pairs' energies.
 template <bool Energies, int N, class Law>
 void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
               const LaneView& pairs, const PairJob& job, PairTally& tally) {
@@ -292,7 +344,7 @@ void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
     for (int k = 0; k < group.depth(); ++k) {
       fetchAhead(job, partners + k * laneCount, pairs.end);
       const auto row = sums.row(partners, k);
-      sums.add(row, sumPoints<Energies, N>(law, units.length, row.shape()), units, weight, tally);
+      sums.add(row, sumPairPoints<Energies, N>(law, units, row.shape()), units, weight, tally);
     }
     sums.close();
     partners += group.depth() * laneCount;
@@ -322,7 +374,7 @@ void addPairsSingle(const Law& shared, const KernelUnits& units, const Weight& w
       const PairShape<Floats> both{
           rounded(low.center2, high.center2), rounded(low.alongI, high.alongI),
           rounded(low.alongJ, high.alongJ), rounded(low.cosine, high.cosine)};
-      const auto points = sumPoints<Energies, N>(law, units.length, both);
+      const auto points = sumPoints<Energies, N>(law, units.length.i, both);
 #pragma GCC unroll 1
       for (int n = 0; n < count; ++n) {
         PointSums<Lanes> part{half(points.f, n), half(points.a, n), half(points.b, n),

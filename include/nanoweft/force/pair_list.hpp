@@ -27,13 +27,23 @@ struct Share {
 std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const CellIndex& cells,
                                  int threads);
 
+/// Segments of one kind by their cells.
+struct KindCells {
+  const CellLattice& lattice;
+  const CellIndex& cells;
+};
+
 class PairList {
  public:
   /// Lists all pairs whose centres are within `range`. Left out are pairs of one fibre less than
   /// `exclude` places apart, unless they have been apart since a bond between them broke
   /// (State::gap).
-  void build(const State& state, const CellGrid& grid, const CellIndex& cells,
-             const std::vector<Share>& shares, double range, int exclude);
+  void build(const State& state, const KindCells& where, const std::vector<Share>& shares,
+             double range, int exclude);
+  /// Lists all pairs of a segment of `firsts`, which comes first in the pair, with one of another
+  /// kind whose centres are within `range`, the range of the others' lattice.
+  void buildMixed(const State& state, const std::vector<int>& firsts, const KindCells& others,
+                  const std::vector<Share>& shares, double range);
 
   /// A thread's pairs in two parts: inner pairs without a ghost, outer pairs with one.
   template <class Pairs>
@@ -44,8 +54,8 @@ class PairList {
   /// The pairs that steps resolve, drawn from `threads`.
   std::vector<Parts<DrawnPairs>>& drawn() { return drawn_; }
   std::int64_t size() const;
-  /// Adds half a pair to pairs[i] for each listed pair that the owned segment i is in.
-  void count(std::vector<double>& pairs) const;
+  /// Adds half of `weight` to work[i] for each listed pair that the owned segment i is in.
+  void count(double weight, std::vector<double>& work) const;
 
  private:
   std::vector<Parts<PairRuns>> threads_;

@@ -9,8 +9,9 @@
 
 namespace nanoweft {
 
-/// Local indices of two segments, that with the lower row first: so two ranks that both resolve a
-/// pair do it in the same order and get the same bits.
+/// Local indices of two segments, that with the lower row first, or in a pair of two kinds that of
+/// the first kind: so two ranks that both resolve a pair do it in the same order and get the same
+/// bits.
 struct ListPair {
   std::int32_t i, j;
 };

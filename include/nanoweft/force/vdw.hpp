@@ -13,6 +13,7 @@
 
 #include <cmath>
 
+#include "nanoweft/base/both.hpp"
 #include "nanoweft/force/pair_table.hpp"
 #include "nanoweft/force/switch.hpp"
 
@@ -24,19 +25,25 @@ struct VdwParameters {
   double alpha = 9.5, beta = 4.0;
   double stiffness = 200.0;                   ///< k, eV/A^2
   double length = 6.78;                       ///< lambda, A
-  double radius = 6.78;                       ///< rf, A
+  double radius = 6.78;                       ///< rf, A; the mean of two kinds'
   double switchFrom = 40.68, cutoff = 54.24;  ///< A
   bool smooth = true;                         ///< else the kink splice
 
-  /// The parameters for two segments of length `segment`.
-  VdwParameters of(double segment) const {
+  /// The parameters for two segments of such lengths; `factor` multiplies the energy.
+  VdwParameters of(Both<double> segments, double factor = 1.0) const {
     VdwParameters p = *this;
-    const double lengths = segment / (2.0 * length), squared = lengths * lengths;
-    p.epsilon *= squared;
-    p.stiffness *= squared;
+    const double lengths = (segments.i / (2.0 * length)) * (segments.j / (2.0 * length));
+    p.epsilon *= factor * lengths;
+    p.stiffness *= factor * lengths;
     return p;
   }
 };
+
+/// Factor of the energy per length squared for unequal radii (model.md 9): bodies much larger than
+/// their gap attract like sqrt(ra rb) when crossed, like sqrt(ra rb/(ra + rb)) when parallel.
+inline double unequalRadii(double ra, double rb) {
+  return ra == rb ? 1.0 : 2.0 * std::sqrt(ra * rb) / (ra + rb);
+}
 
 class Vdw {
  public:

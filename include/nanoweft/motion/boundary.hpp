@@ -35,7 +35,7 @@ struct Boundary {
 class Boundaries {
  public:
   /// `restDistance` of two fibres that touch: default of the sheet's thickness.
-  Boundaries(Options& options, const UnitSystem& units, const Fibre& fibre, double restDistance);
+  Boundaries(Options& options, const UnitSystem& units, const Kinds& kinds, double restDistance);
 
   /// Finds the members of the groups and starts the clocks. `record`: of the file that the state
   /// comes from. A restart goes on as it says; a new stage goes on with its tension test alone.

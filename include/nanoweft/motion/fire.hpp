@@ -18,7 +18,7 @@ namespace nanoweft {
 class Fire : public Stepper {
  public:
   /// `longest`: bound of the step.
-  Fire(const Fibre& fibre, double longest);
+  Fire(const Kinds& kinds, double longest);
 
   double dt() const override { return verlet_.dt(); }
   double longest() const override { return longest_; }

@@ -32,8 +32,10 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo);
 /// bending-shear branches of the linear EVM chain).
 double chainStepLimit(const Fibre& fibre);
 
-/// Limit of chains pressed together in a hexagonal bundle: the chain's omega^2 plus that of the
-/// contacts, 6 K/m with K the contact stiffness of two parallel segments.
-double bundleStepLimit(const Fibre& fibre, const PairForce* pair);
+/// Limit of chains pressed together in hexagonal bundles: the chain's omega^2 plus that of the
+/// contacts, 6 K/m with K the contact stiffness of two parallel segments. The lowest of all kinds.
+double bundleStepLimit(const Kinds& kinds, const PairForces& pairs);
+/// The lowest limit of the kinds' free chains.
+double chainStepLimit(const Kinds& kinds);
 
 }  // namespace nanoweft

@@ -51,7 +51,7 @@ struct StepperKind {
   std::string name, title;  ///< as an option's value, and for people
   bool minimises;           ///< it seeks equilibrium with its own damping; its time is not physical
   /// `dt`: the step, or the longest where it adapts; `localDamping`: c of F -> F - c|F| sign(v).
-  std::unique_ptr<Stepper> (*make)(const Fibre& fibre, double dt, double localDamping);
+  std::unique_ptr<Stepper> (*make)(const Kinds& kinds, double dt, double localDamping);
 };
 
 /// The first is the default.

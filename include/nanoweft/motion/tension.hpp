@@ -6,7 +6,7 @@
 
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
-#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/state/state.hpp"
 #include "nanoweft/state/state_file.hpp"
 
@@ -49,9 +49,9 @@ struct Tension {
   void save(RunRecord& record, double time) const;
 };
 
-/// Empty when the options ask for none. `restDistance` of two fibres that touch: default of the
-/// sheet's thickness.
-std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Fibre& fibre,
+/// Empty when the options ask for none. `restDistance` of two fibres of the first kind that touch:
+/// default of the sheet's thickness, which several kinds do not have.
+std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Kinds& kinds,
                                    double restDistance);
 
 }  // namespace nanoweft

@@ -14,18 +14,21 @@ inline Vec3d separationOf(const State& state, const ForceField& forces, int i, i
   return forces.nearest()(state.position(j) - state.position(i));
 }
 
-/// Calls visit(pair, x_j - x_i) for the pairs in reach that a thread lists. A pair of two threads'
-/// or ranks' segments is listed, and visited, by both.
+/// Calls visit(pair force, pair, x_j - x_i) for the pairs in reach that a thread lists. A pair of two
+/// threads' or ranks' segments is listed, and visited, by both.
 template <class Visit>
 void forEachPair(const State& state, const ForceField& forces, std::size_t thread,
                  const Visit& visit) {
-  if (!forces.pair()) return;
-  const double reach2 = forces.pair()->reach() * forces.pair()->reach();
-  const auto& lists = forces.lists().pairs().threads()[thread];
-  for (const auto* list : {&lists.inner, &lists.outer})
-    list->forEach([&](const ListPair& p) {
-      if (const Vec3d d = separationOf(state, forces, p.i, p.j); dot(d, d) < reach2) visit(p, d);
-    });
+  for (std::size_t c = 0; c < forces.pairs().classes().size(); ++c) {
+    const PairForce& force = *forces.pairs().classes()[c].force;
+    const double reach2 = force.reach() * force.reach();
+    const auto& lists = forces.lists().pairs()[c].threads()[thread];
+    for (const auto* list : {&lists.inner, &lists.outer})
+      list->forEach([&](const ListPair& p) {
+        if (const Vec3d d = separationOf(state, forces, p.i, p.j); dot(d, d) < reach2)
+          visit(force, p, d);
+      });
+  }
 }
 
 }  // namespace nanoweft

@@ -2,6 +2,7 @@
 /// state file). A new one is one file and one line in scene.cpp's table.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,7 +10,7 @@
 
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
-#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/state/memory.hpp"
 #include "nanoweft/state/state.hpp"
 #include "nanoweft/state/state_file.hpp"
@@ -19,9 +20,9 @@ namespace nanoweft {
 /// What a scene may ask for besides its own options.
 struct SceneContext {
   const UnitSystem& units;
-  const Fibre& fibre;
+  const Kinds& kinds;
   MPI_Comm comm;
-  double restDistance;  ///< of two fibres that touch
+  std::function<double(int, int)> restDistance;  ///< of two fibres of such kinds that touch
 };
 
 /// The poses of one fibre's segments.
@@ -29,6 +30,7 @@ struct FibreGeometry {
   std::vector<Vec3d> position;
   std::vector<Quatd> orientation;
   bool closed = false;
+  int kind = 0;
 };
 
 /// How far from rest the options want each bond to be.
@@ -56,6 +58,11 @@ enum class SceneUse {
   start,    ///< the run starts from it
 };
 
+/// The numbers of the kinds that an option names, one for each of `count` families of fibres; the
+/// first kind where it is not given. Throws InputError.
+std::vector<int> readSceneKinds(OptionSection& section, const std::string& option,
+                                const Kinds& kinds, std::size_t count);
+
 /// Reads -scene and the options of the scenes. With a restart, no scene is made.
 std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, bool restarting);
 
@@ -80,6 +87,7 @@ void fillFibres(State& state, std::int64_t fibres, int segments, const Make& mak
       double* x = state.pose + 8 * i;
       x[0] = geometry.position[at].x, x[1] = geometry.position[at].y,
       x[2] = geometry.position[at].z;
+      state.setKind(i, geometry.kind);
       state.setOrientation(i, geometry.orientation[at]);
       state.box.wrap(x, state.image + 3 * i);
     }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "nanoweft/base/units.hpp"
-#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/scene/scene.hpp"
 #include "nanoweft/scene/start_bonds.hpp"
 
@@ -14,7 +14,7 @@ namespace nanoweft {
 
 struct StartContext {
   const UnitSystem& units;
-  const Fibre& fibre;
+  const Kinds& kinds;
   Box sceneBox;        ///< before -domain_... changed it
   StartRequest asked;  ///< what the scene was told to do to its bonds
   bool fromFile;
@@ -39,6 +39,7 @@ struct WorstBond {
   std::int32_t index = 0, next = 0;
   std::int32_t closes = 0;
   std::int32_t bent = 0;  ///< of the two, the segment whose axis is worse
+  std::int32_t kind = 0;
   Vec3d from, to;
 };
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "nanoweft/base/vec.hpp"
@@ -82,6 +83,7 @@ class State : public SegmentFields {
   }
 
   Box box;
+  std::vector<std::string> kinds{""};  ///< names of the kinds of segments; one empty name: one kind
   std::int64_t step = 0;
   double time = 0;
 

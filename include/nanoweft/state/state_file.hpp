@@ -42,6 +42,7 @@ struct StateHeader {
   RunRecord run;
   std::string digest;           ///< SHA-256 of the whole file, as sha256sum prints it
   FileIdentity identity;        ///< of the file that was looked at
+  std::vector<std::string> kinds;  ///< names behind the numbers of /state/kind; empty: none are given
   std::set<std::string> parts;  ///< names of what /state holds: datasets with content, step, time
 };
 
@@ -67,8 +68,8 @@ struct StateWriteOptions {
 /// is missing, damaged, truncated or not a state file. Collective.
 StateHeader readStateHeader(MPI_Comm comm, const std::string& file, Trust trust = Trust::program);
 
-/// Reads the rows into the empty `state`, a block of rows to each rank, and wraps positions.
-/// Throws InputError, naming the row, for values that make no sense; the state is of no use then.
+/// Reads the rows into the empty `state`, a block of rows to each rank, and wraps positions. Kinds
+/// are those of State::kinds by their names. Throws InputError, naming the row, for values that make no sense; the state is of no use then.
 void readStateRows(const std::string& file, const StateHeader& header, State& state);
 
 /// Writes the owned points of all ranks; rank 0 alone touches the file. Ghosts are ignored. Throws

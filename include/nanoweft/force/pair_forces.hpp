@@ -1,0 +1,50 @@
+/// All pair forces of a run: one for each two kinds of fibre that interact.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/force/pair_force.hpp"
+
+namespace nanoweft {
+
+class PairForces {
+ public:
+  /// In its pairs the first segment is of the kind `first`, which has the longer segments.
+  struct Class {
+    int first, second;
+    std::shared_ptr<PairForce> force;
+
+    bool mixed() const { return first != second; }
+  };
+
+  PairForces() = default;
+  /// The only pair force of a run with one kind, or none when null.
+  PairForces(std::unique_ptr<PairForce> only);
+  explicit PairForces(std::vector<Class> classes);
+
+  explicit operator bool() const { return !classes_.empty(); }
+  const std::vector<Class>& classes() const { return classes_; }
+  /// Between segments of two kinds, in any order; null where they do not interact.
+  const PairForce* between(int a, int b) const;
+  /// The largest reach of all.
+  double reach() const;
+  /// The largest -pair_exclude.
+  int exclude() const;
+  double forceUnit() const { return classes_.empty() ? 1.0 : classes_[0].force->forceUnit(); }
+  double torqueUnit() const { return classes_.empty() ? 1.0 : classes_[0].force->torqueUnit(); }
+
+ private:
+  std::vector<Class> classes_;
+};
+
+/// Reads -pair and the options of the laws for each two kinds (pair_forces_read.cpp).
+PairForces readPairForces(Options& options, const UnitSystem& units, const Kinds& kinds);
+
+/// Resting distance of two fibres under their presets' law with its default parameters, or of
+/// surfaces that touch. A scene without pair forces lays its fibres at this distance.
+double usualRestDistance(const Fibre& a, const Fibre& b, const UnitSystem& units);
+
+}  // namespace nanoweft
