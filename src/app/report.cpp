@@ -43,9 +43,10 @@ void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
               units.massName, units.length, b.stretch, b.shear, b.bending, b.torsion);
 }
 
-/// "5" points, or "23 and 5" on the segments of two kinds.
-std::string pointsOf(Both<int> points, bool mixed) {
-  return mixed ? format("%d and %d", points.i, points.j) : format("%d", points.i);
+/// "5", or with the kinds' names where two have their own number.
+std::string pointsOf(Both<int> points, const Fibre& a, const Fibre& b) {
+  return &a == &b ? format("%d", points.i)
+                  : format("%d (%s), %d (%s)", points.i, a.kind.c_str(), points.j, b.kind.c_str());
 }
 
 void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kinds,
@@ -55,10 +56,13 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
   const PointChoice& points = p.points();
   const std::string far =
       points.far != points.near
-          ? format(", %s beyond %g to %g %s", pointsOf(points.far, c.mixed()).c_str(),
+          ? format(", %s beyond %g to %g %s", pointsOf(points.far, a, b).c_str(),
                    points.blend.from, points.blend.to, units.length)
           : "";
-  const std::string between = a.kind.empty() ? "" : " " + a.kind + "-" + b.kind;
+  // In the order of -kinds, as the prefix of its options.
+  const bool inOrder = c.first <= c.second;
+  const std::string between =
+      a.kind.empty() ? "" : " " + (inOrder ? a : b).kind + "_" + (inOrder ? b : a).kind;
   PetscPrintf(comm, "  pair forces%s: %s\n", between.c_str(), p.description().c_str());
   std::string rest;
   if (!c.mixed()) {
@@ -67,7 +71,7 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
                   error ? format("%.2g %% (bundle)", 100 * *error).c_str() : "not estimated",
                   p.exclude(), p.exclude() * a.length, units.length);
   }
-  PetscPrintf(comm, "    %s points a segment%s%s\n", pointsOf(points.near, c.mixed()).c_str(),
+  PetscPrintf(comm, "    %s points a segment%s%s\n", pointsOf(points.near, a, b).c_str(),
               far.c_str(), rest.c_str());
   for (const std::string& warning : pointWarnings(p, a, b, units))
     PetscPrintf(comm, "  warning: %s\n", warning.c_str());
@@ -81,7 +85,7 @@ void printPairForces(MPI_Comm comm, const PairForces& pairs, const Kinds& kinds,
   for (int i = 0; i < kinds.count(); ++i)
     for (int j = i; j < kinds.count(); ++j)
       if (!pairs.between(i, j))
-        PetscPrintf(comm, "  pair forces %s-%s: none\n", kinds[i].kind.c_str(),
+        PetscPrintf(comm, "  pair forces %s_%s: none\n", kinds[i].kind.c_str(),
                     kinds[j].kind.c_str());
 }
 

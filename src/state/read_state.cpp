@@ -271,16 +271,20 @@ class RowCheck {
   const Box& box_;
 };
 
-/// The last (fibre, index) of the ranks before, index -1 for none.
-std::array<std::int64_t, 2> lastBefore(const State& state, const RawRows& raw) {
-  std::int64_t last[2] = {0, -1};
-  if (!raw.fibre.empty()) last[0] = raw.fibre.back(), last[1] = raw.index.back();
-  std::vector<std::int64_t> lasts(2 * static_cast<std::size_t>(state.ranks()));
-  MPI_Allgather(last, 2, MPI_INT64_T, lasts.data(), 2, MPI_INT64_T, state.comm());
-  std::array<std::int64_t, 2> previous{0, -1};
+/// What the row before a rank's first says; index -1: there is none.
+struct LastRow {
+  std::int64_t fibre = 0, index = -1, kind = 0;
+};
+
+LastRow lastBefore(const State& state, const RawRows& raw) {
+  LastRow last;
+  if (!raw.fibre.empty())
+    last = {raw.fibre.back(), raw.index.back(), raw.kind.empty() ? 0 : raw.kind.back()};
+  std::vector<LastRow> lasts(static_cast<std::size_t>(state.ranks()));
+  MPI_Allgather(&last, 3, MPI_INT64_T, lasts.data(), 3, MPI_INT64_T, state.comm());
+  LastRow previous;
   for (int r = 0; r < state.rank(); ++r)
-    if (const auto k = 2 * static_cast<std::size_t>(r); lasts[k + 1] >= 0)
-      previous = {lasts[k], lasts[k + 1]};
+    if (const LastRow& l = lasts[static_cast<std::size_t>(r)]; l.index >= 0) previous = l;
   return previous;
 }
 
@@ -349,13 +353,14 @@ class KindNumbers {
 };
 
 /// What is wrong with the kinds of a rank's rows, or nothing.
-std::string problemOfKinds(const RawRows& raw, const KindNumbers& numbers) {
+std::string problemOfKinds(const RawRows& raw, const KindNumbers& numbers, LastRow before) {
   for (std::size_t k = 0; k < raw.kind.size(); ++k) {
     if (numbers.of(raw.kind[k]) < 0)
       return raw.name(k) + format(": its kind is %d; there are %zu (the first is 0)", raw.kind[k],
                                   numbers.count());
-    if (k > 0 && raw.fibre[k] == raw.fibre[k - 1] && raw.kind[k] != raw.kind[k - 1])
+    if (before.index >= 0 && raw.fibre[k] == before.fibre && raw.kind[k] != before.kind)
       return raw.name(k) + ": it is of another kind than the segment before it on its fibre";
+    before = {raw.fibre[k], raw.index[k], raw.kind[k]};
   }
   return "";
 }
@@ -423,18 +428,18 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
                       state.addOwned(static_cast<int>(block.count));
                       readFields(file, block, *raw, state);
                     }));
-  const auto [fibre, index] = lastBefore(state, *raw);
+  const LastRow before = lastBefore(state, *raw);
   const std::string what = "state file " + name + " cannot be used: ";
   auto agreeOn = [&](const std::string& problem) {
     agree<InputError>(comm, problem.empty() ? "" : what + problem);
   };
-  agreeOn(RowCheck(*raw, state.box).problem(fibre, index));
+  agreeOn(RowCheck(*raw, state.box).problem(before.fibre, before.index));
   const Chains chains =
       findChains(comm, state.rank(), state.ranks(), header.rows, block, raw->index);
   agreeOn(problemOfClosed(comm, *raw, chains));
   const KindNumbers numbers(header, state.kinds);
   agreeOn(numbers.problem);
-  agreeOn(problemOfKinds(*raw, numbers));
+  agreeOn(problemOfKinds(*raw, numbers, before));
   for (std::size_t k = 0; k < raw->kind.size(); ++k)
     state.setKind(static_cast<int>(k), numbers.of(raw->kind[k]));
   fill(state, header.box, *raw, chains);

@@ -48,6 +48,14 @@ TEST(Energy, UndampedFibreKeepsItsEnergyToSecondOrder) {
       16, 16000, 1.5);
 }
 
+TEST(Energy, UndampedFibresOfTwoKindsKeepTheirEnergyToSecondOrder) {
+  // Thin and thick tubes, woven and let go: 11,000 eV of elastic energy.
+  expectSecondOrder(
+      "-kinds thin,thick -thick_fibre_radius 13.56 -thick_fibre_density 2273 -weave_kinds "
+      "thin,thick -weave_fibres 6,3 -weave_segments 24",
+      8, 1600, 15);
+}
+
 TEST(Energy, UndampedFibreDoesNotDriftInALongRun) {
   const Folder folder;
   const auto outcome =

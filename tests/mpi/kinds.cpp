@@ -1,0 +1,111 @@
+/// Two kinds of fibre in one run: the same bytes on any ranks and threads, and over restarts.
+#include <gtest/gtest.h>
+
+#include "support/expect.hpp"
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+/// Thin fibres along x, woven with some twice as thick along y; the thick ones alone break.
+const std::string weave =
+    "-kinds thin,thick -thick_fibre_radius 13.56 -thick_fibre_density 2273 -weave_kinds thin,thick "
+    "-weave_fibres 8,4 -weave_segments 32 -scene_perturb 0.2 -damping_local 0.2 -ts_dt 12 "
+    "-thick_break_strain_mean 0.012 -thick_break_strain_std 0.004 -progress_interval 0 ";
+const std::string outputs =
+    "-energy_monitor ascii:energy.csv -monitor_interval 50 -state_output out.h5 -state_forces ";
+
+TEST(KindsInOneRun, SameBytesOnAnyRanksThreadsAndPartition) {
+  const Folder reference;
+  auto outcome = run(reference, weave + outputs + "-ts_max_steps 300", 1, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto energies = readCsv(reference / "energy.csv");
+  EXPECT_GT(energies.at("broken").back(), 0) << "no thick fibre has broken";
+  EXPECT_LT(energies.at("pair").back(), 0) << "no fibres attract each other";
+  const struct {
+    int ranks, threads;
+    const char* more;
+  } layouts[] = {{1, 2, ""}, {2, 1, ""}, {3, 2, ""}, {4, 1, "-partition metis -partition_piece 8"}};
+  for (const auto& l : layouts) {
+    const Folder folder;
+    outcome = run(folder, weave + outputs + "-ts_max_steps 300 " + l.more, l.ranks, l.threads);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    for (const char* file : {"out.h5", "energy.csv"})
+      EXPECT_TRUE(readFile(folder / file) == readFile(reference / file))
+          << file << " on " << l.ranks << " x " << l.threads << " " << l.more;
+  }
+}
+
+TEST(KindsInOneRun, ViscousDampingAndFireHaveTheSameBytes) {
+  for (const std::string& more :
+       {std::string("-damping_viscous 20 -damping_viscous_angular 500 -ts_max_steps 200"),
+        std::string("-relax_method fire -relax_force 1 -ts_limit_interval 50 -ts_max_steps 300")}) {
+    std::string options = weave + outputs + more;
+    if (more.find("fire") != std::string::npos) options.replace(options.find("-damping_local 0.2"), 18, "");
+    const Folder one, three;
+    auto outcome = run(one, options, 1, 2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    outcome = run(three, options, 3, 1);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(readFile(one / "out.h5") == readFile(three / "out.h5")) << more;
+  }
+}
+
+TEST(KindsInOneRun, ARestartGoesOnWithThem) {
+  const Folder whole, pieces;
+  auto outcome = run(whole, weave + outputs + "-ts_max_steps 300", 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(pieces, weave + outputs + "-ts_max_steps 140 -checkpoint_file c.h5", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // The checkpoint has the options.
+  outcome = run(pieces, outputs + "-restart c.h5 -ts_max_steps 300", 3);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* file : {"out.h5", "energy.csv"})
+    EXPECT_TRUE(readFile(pieces / file) == readFile(whole / file)) << file;
+}
+
+TEST(KindsInOneRun, TheSkinOfTheListsChangesNoByte) {
+  const Folder reference;
+  auto outcome = run(reference, weave + outputs + "-ts_max_steps 200", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* skin : {"1.5", "8", "20"}) {
+    const Folder folder;
+    outcome = run(folder, weave + outputs + "-ts_max_steps 200 -pair_skin " + skin, 2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(readFile(folder / "out.h5") == readFile(reference / "out.h5")) << skin;
+  }
+}
+
+/// A run's final state as the input of another.
+TEST(KindsInOneRun, NamesInTheFileSayWhichKindsAreMeant) {
+  const Folder folder;
+  auto outcome = run(folder, weave + "-state_output in.h5 -ts_max_steps 0", 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string from = "-scene file -scene_file in.h5 -progress_interval 0 -ts_max_steps 0 ";
+  auto energyWith = [&](const std::string& kinds) {
+    outcome = run(folder, from + kinds + " -energy_monitor ascii:e.csv -overwrite", 2);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return readCsv(folder / "e.csv").at("total").back();
+  };
+  const std::string thick = " -thick_fibre_radius 13.56 -thick_fibre_density 2273";
+  EXPECT_EQ(energyWith("-kinds thin,thick" + thick), energyWith("-kinds thick,thin" + thick));
+  const struct {
+    std::string options, says;
+  } refused[] = {
+      {"", "-kinds must name"},
+      {"-kinds thin,other", "the kind thick, which is not among -kinds thin,other"},
+  };
+  for (const auto& r : refused)
+    for (const int ranks : {1, 3})
+      expectRefused(run(folder, from + r.options, ranks), {r.says});
+  // Rows that make no sense are named.
+  auto kinds = std::vector<double>(12 * 32, 0.0);
+  kinds[5] = 1;
+  setDataset(folder / "in.h5", "kind", kinds, 1);
+  expectRefused(run(folder, from + "-scene_file_edited -kinds thin,thick" + thick, 2),
+                {"row 5", "another kind than the segment before it"});
+}
+
+}  // namespace
+}  // namespace nanoweft::test
