@@ -41,6 +41,10 @@ void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
               "%.5g, B3 %.5g, B4 %.5g\n",
               ofKind(f).c_str(), f.length, units.length, f.mass / units.mass, units.massName, f.inertia / units.mass,
               units.massName, units.length, b.stretch, b.shear, b.bending, b.torsion);
+  if (!f.curved()) return;
+  const std::string shape = format("  %srest shape: twist %g, curvature %g and %g 1/%s\n",
+                                   ofKind(f).c_str(), f.rest.x, f.rest.y, f.rest.z, units.length);
+  PetscPrintf(comm, "%s", shape.c_str());
 }
 
 /// "5", or with the kinds' names where two have their own number.

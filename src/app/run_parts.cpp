@@ -18,6 +18,11 @@ namespace {
 /// With fewer segments a thread waits longer for the others than it works.
 constexpr std::int64_t segmentsPerThread = 1500;
 
+std::vector<double> restShapesOf(const RunRecord& record) {
+  const auto it = record.reals.find("rest_shapes");
+  return it == record.reals.end() ? std::vector<double>() : it->second;
+}
+
 }  // namespace
 
 RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
@@ -47,6 +52,8 @@ void RunParts::fillState() {
   const UnitSystem& units = plan->units;
   ExtraFields extras;
   extras.gap = plan->breaks() && forces->pairs();
+  extras.rest = plan->checkpoint ? plan->checkpoint->parts.contains("rest_rotation")
+                                 : plan->scene->shapesRest();
   extras.viscous = static_cast<bool>(plan->settings.viscous);
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();
@@ -77,7 +84,8 @@ void RunParts::checkStart() {
   bool evolved = false;
   if (file)
     if (const auto it = file->run.reals.find("fibre"); it != file->run.reals.end())
-      evolved = it->second == fingerprint() && own.lower == plan->box.lower &&
+      evolved = it->second == fingerprint() && restShapesOf(file->run) == restShapes() &&
+                own.lower == plan->box.lower &&
                 own.upper == plan->box.upper && own.periodic == plan->box.periodic;
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
   for (const StartFinding& finding : lookAtStart(
@@ -121,7 +129,8 @@ void RunParts::goOn() {
 
 void RunParts::restore(const RunRecord& record) {
   const std::string& file = plan->restart;
-  if (record.needReals("fibre", fingerprint().size()) != fingerprint())
+  if (record.needReals("fibre", fingerprint().size()) != fingerprint() ||
+      restShapesOf(record) != restShapes())
     throw InputError("-restart " + file +
                      ": its fibres have other parameters than the options say (-fibre_...)");
   if (plan->checkpoint->units != plan->units.name)
@@ -191,6 +200,14 @@ void RunParts::chooseStep() {
   stepBefore =
       stepper->adapts() ? stepper->longest() : plan->checkpoint->run.needReals("time_step", 1)[0];
   stepper->setLongest(*settings.dt);
+}
+
+std::vector<double> RunParts::restShapes() const {
+  std::vector<double> numbers;
+  if (!plan->kinds.curved()) return numbers;
+  for (const Fibre& f : plan->kinds)
+    numbers.insert(numbers.end(), {f.rest.x, f.rest.y, f.rest.z});
+  return numbers;
 }
 
 std::vector<double> RunParts::fingerprint() const {

@@ -185,6 +185,8 @@ RunRecord Simulation::stageRecord(const char* purpose) const {
   RunRecord record;
   record.texts = provenanceTexts(parts_->plan->provenance, purpose);
   record.reals["fibre"] = parts_->fingerprint();
+  if (const auto shapes = parts_->restShapes(); !shapes.empty())
+    record.reals["rest_shapes"] = shapes;
   system_.boundaries.save(record, system_.state.time);
   for (const auto& observer : observers_) observer->saveStage(record);
   return record;

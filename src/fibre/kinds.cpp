@@ -40,6 +40,10 @@ std::vector<std::string> Kinds::names() const {
   return names;
 }
 
+bool Kinds::curved() const {
+  return std::ranges::any_of(fibres_, &Fibre::curved);
+}
+
 double Kinds::shortest() const {
   return std::ranges::min_element(fibres_, {}, &Fibre::length)->length;
 }

@@ -100,10 +100,10 @@ class BondScatter {
 
 /// The bonds' laws where there is one kind of fibre.
 struct OneLaw {
-  const EvmBond& law;
+  const Kinds& kinds;
 
-  const EvmBond& of(const State&, const std::int32_t*) const { return law; }
-  const EvmBond& of(const State&, std::int32_t) const { return law; }
+  const EvmBond& of(const State&, const std::int32_t*) const { return kinds[0].bond; }
+  const EvmBond& of(const State&, std::int32_t) const { return kinds[0].bond; }
 };
 
 /// The bonds' laws where segments have kinds: in each lane that of its first segment.
@@ -126,6 +126,33 @@ struct LawByKind {
   const EvmBond& of(const State& state, std::int32_t i) const {
     return kinds[state.kind(i)].bond;
   }
+};
+
+/// Bonds that are straight at rest.
+struct StraightRest {
+  NW_INLINE static void turn(const State&, const std::int32_t*, BondGeometry<Lanes>&) {}
+};
+
+/// Bonds with rest rotations.
+struct CurvedRest {
+  const Kinds& kinds;
+
+  void turn(const State& state, const std::int32_t* i, BondGeometry<Lanes>& bonds) const {
+    double half[4][laneCount];
+    for (int k = 0; k < laneCount; ++k) {
+      const Quatd h = restHalfOf(state, kinds, i[k]);
+      half[0][k] = h.w, half[1][k] = h.x, half[2][k] = h.y, half[3][k] = h.z;
+    }
+    auto lanes = [&](int n) { return Lanes(half[n], stdx::element_aligned); };
+    turnToRest(Quat<Lanes>{lanes(0), lanes(1), lanes(2), lanes(3)}, bonds);
+  }
+};
+
+/// What a bond list needs to know of its bonds' laws.
+template <class Law, class Rest>
+struct Laws {
+  Law law;
+  Rest rest;
 };
 
 }  // namespace
@@ -157,10 +184,14 @@ void BondList::dropBroken(std::vector<Entry>& bonds, BondTally& tally) {
 void BondList::add(State& state, const Terms& terms, Share share, std::vector<Entry>& bonds,
                    std::size_t begin, std::size_t end, BondTally& tally) {
   const Stretch some{{bonds.data() + begin, end - begin}, bonds.data() + bonds.size()};
-  if (terms.kinds.several())
-    addWith(LawByKind{terms.kinds}, state, terms, share, some, tally);
+  auto with = [&](const auto& laws) { addWith(laws, state, terms, share, some, tally); };
+  const OneLaw one{terms.kinds};
+  const LawByKind byKind{terms.kinds};
+  const CurvedRest curved{terms.kinds};
+  if (state.restHalf || terms.kinds.curved())
+    terms.kinds.several() ? with(Laws{byKind, curved}) : with(Laws{one, curved});
   else
-    addWith(OneLaw{terms.kinds[0].bond}, state, terms, share, some, tally);
+    terms.kinds.several() ? with(Laws{byKind, StraightRest{}}) : with(Laws{one, StraightRest{}});
 }
 
 template <class Laws>
@@ -187,8 +218,9 @@ void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share
       i[k] = e.i;
       j[k] = e.j;
     }
-    const BondGeometry<Lanes> geometry = bondGeometry(state, nearest, i, j);
-    const auto& law = laws.of(state, i);
+    BondGeometry<Lanes> geometry = bondGeometry(state, nearest, i, j);
+    laws.rest.turn(state, i, geometry);
+    const auto& law = laws.law.of(state, i);
     const BondForce<Lanes> bond = law.force(geometry);
     Row onI[laneCount], onJ[laneCount];
     auto rows = [](const Vec3<Lanes>& force, const Vec3<Lanes>& torque, Row* row) {
@@ -205,12 +237,12 @@ void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share
       const auto lane = static_cast<std::size_t>(k);
       Entry& entry = bonds[first + lane];
       if (breakable_ && mayBreak) {
-        const EvmBond& own = laws.of(state, i[k]);
+        const EvmBond& own = laws.law.of(state, i[k]);
         const double strain = (bond.length[lane] - own.length) / own.length;
         if (strain > entry.critical) {
           tally.someBroke = true;
           if (mine(i[k])) {
-            const auto u = own.energy(bondGeometry(state, nearest, i[k], j[k]));
+            const auto u = own.energy(bondGeometry(state, kinds, nearest, i[k], j[k]));
             tally.released.add(u.total(), tally.energyUnit);
             tally.broken.push_back(state.row[i[k]]);
             state.bond[i[k]] |= nextBroken;

@@ -29,7 +29,8 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
     if (tie.broken) continue;
     const int other = domain.partner(state, i, tie);
     const auto bond =
-        bondGeometry(state, forces.nearest(), tie.first ? i : other, tie.first ? other : i);
+        bondGeometry(state, forces.kinds(), forces.nearest(), tie.first ? i : other,
+                     tie.first ? other : i);
     const auto u = law.energy(bond);
     sum.stretch += 0.5 * u.stretch;
     sum.shear += 0.5 * u.shear;

@@ -14,11 +14,13 @@ struct FibreParameters {
   double bend = 0, twist = 0, strain = 0;
   bool closed = false;
   int kind = 0;
+  bool atRest = false;  ///< laid in the rest shape of its kind
 };
 
 class FibreScene final : public Scene {
  public:
-  FibreScene(const FibreParameters& p, double length) : p_(p), length_(length), geometry_(make()) {}
+  FibreScene(const FibreParameters& p, const Fibre& kind)
+      : p_(p), length_(kind.length), rest_(kind.restRotation()), geometry_(make()) {}
 
   Box box() const override {
     Box box;
@@ -60,6 +62,7 @@ class FibreScene final : public Scene {
     g.position.reserve(static_cast<std::size_t>(p_.segments));
     g.orientation.reserve(static_cast<std::size_t>(p_.segments));
     Vec3d x = p_.start;
+    if (p_.atRest) return layAtRest(std::move(g), quaternionFromAxes(t, side, up));
     for (int k = 0; k < p_.segments; ++k) {
       const double angle = k * turn;  // of the tangent; chords lie half a turn further
       const Vec3d e1 = std::cos(angle) * t + std::sin(angle) * up;
@@ -73,8 +76,22 @@ class FibreScene final : public Scene {
     return g;
   }
 
+  /// Every segment at rest with the one before it, from the first one's frame on.
+  FibreGeometry layAtRest(FibreGeometry g, Quatd q) const {
+    const Quatd half = rotation(0.5 * rest_);
+    Vec3d x = p_.start;
+    for (int k = 0; k < p_.segments; ++k) {
+      g.position.push_back(x);
+      g.orientation.push_back(q);
+      x += length_ * axis1(q * half);
+      q = (q * half) * half;
+    }
+    return g;
+  }
+
   FibreParameters p_;
   double length_;
+  Vec3d rest_;
   FibreGeometry geometry_;
 };
 
@@ -97,13 +114,17 @@ std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& cont
   p.closed = s.flag("fibre_closed", false,
                     "join the last segment to the first (a ring with -fibre_bend "
                     "6.283185307179586, or through a periodic boundary)");
+  p.atRest = s.choice("fibre_shape", "arc", {"arc", "rest"},
+                      "an arc by the options above, or the rest shape of its kind") == "rest";
   p.kind = readSceneKinds(s, "fibre_kind", context.kinds, 1)[0];
   if (use != SceneUse::start) return nullptr;
   if (norm(p.direction) == 0) throw InputError("-fibre_direction: must not be zero");
+  if (p.atRest && (p.bend != 0 || p.twist != 0 || p.strain != 0))
+    throw InputError("-fibre_shape rest: has no -fibre_bend, -fibre_twist or -fibre_strain");
   if (p.closed && p.segments < 3) throw InputError("-fibre_closed: needs three segments at least");
   // Every rank holds the whole fibre until the shares are made.
   requireMemory(context.comm, p.segments, sizeof(Vec3d) + sizeof(Quatd));
-  return std::make_unique<FibreScene>(p, context.kinds[p.kind].length);
+  return std::make_unique<FibreScene>(p, context.kinds[p.kind]);
 }
 
 }  // namespace nanoweft

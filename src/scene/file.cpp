@@ -14,6 +14,7 @@ class FileScene final : public Scene {
   Box box() const override { return header_.box; }
   const StateHeader* header() const override { return &header_; }
   std::string file() const override { return file_; }
+  bool shapesRest() const override { return header_.parts.contains("rest_rotation"); }
   void fill(State& state) const override {
     readStateRows(file_, header_, state);
     // A new run starts its own clock.

@@ -8,6 +8,7 @@
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/state/rest.hpp"
 #include "nanoweft/fibre/bond.hpp"
 
 namespace nanoweft {
@@ -99,11 +100,13 @@ Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& li
   bonds.forEach([&](const StartBond& bond) {
     const EvmBond& b = c.kinds[s.kind(bond.i)].bond;
     const Vec3d d = nearest(bond.to - bond.from);
-    const Vec3d e[2] = {axis1(bond.first), axis1(bond.second)};
+    BondGeometry<double> frames{d, bond.first, bond.second};
+    turnToRest(restHalfOf(s, c.kinds, bond.i), frames);
+    const Vec3d e[2] = {axis1(frames.qi), axis1(frames.qj)};
     const double off[2] = {angleBetween(e[0], d), angleBetween(e[1], d)};
     const double r = norm(d);
     const Values values{std::abs(r / b.length - 1.0), std::max(off[0], off[1]),
-                        angleBetween(e[0], e[1]), twistBetween(bond.first, bond.second),
+                        angleBetween(e[0], e[1]), twistBetween(frames.qi, frames.qj),
                         angleBetween(e[0] + e[1], d)};
     ++survey.bonds;
     if (values[twist] > 5 * degree) ++survey.twisted;
@@ -116,7 +119,7 @@ Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& li
       }
       if (values[k] > limits.warned[k]) ++survey.warned[k];
     }
-    const auto u = b.energy(BondGeometry<double>{d, bond.first, bond.second});
+    const auto u = b.energy(frames);
     energy[0].add(u.shear, unit);
     energy[1].add(u.stretch + u.bending + u.torsion, unit);
   });

@@ -70,6 +70,7 @@ struct WeaveParameters {
   double gap = 0;
   bool periodic = false;
   int kindX = 0, kindY = 0;
+  bool shaped = false;  ///< the woven shape is that of rest
 };
 
 class WeaveScene final : public Scene {
@@ -103,6 +104,7 @@ class WeaveScene final : public Scene {
     // Fibres of few segments between crossings are bent at them.
     return {0, pi, 0};
   }
+  bool shapesRest() const override { return p_.shaped; }
   void fill(State& state) const override {
     fillFibres(state, p_.alongX + p_.alongY, p_.segments, [&](std::int64_t f) {
       const bool alongX = f < p_.alongX;
@@ -202,7 +204,19 @@ class WeaveScene final : public Scene {
         g.orientation.push_back(quaternionFromAxes(e1, e2, cross(e1, e2)));
       }
     }
+    if (p_.shaped) g.rest = restOf(g);
     return g;
+  }
+
+  /// The rotations from each segment to the next as they are.
+  static std::vector<Vec3d> restOf(const FibreGeometry& g) {
+    std::vector<Vec3d> rest(g.orientation.size(), Vec3d{0, 0, 0});
+    const std::size_t bonds = g.closed ? rest.size() : rest.size() - 1;
+    for (std::size_t k = 0; k < bonds; ++k) {
+      const Quatd &q = g.orientation[k], &next = g.orientation[(k + 1) % rest.size()];
+      rest[k] = rotationVector(Quatd{q.w, -q.x, -q.y, -q.z} * next);
+    }
+    return rest;
   }
 
   WeaveParameters p_;
@@ -235,6 +249,9 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
                       "distance between the two fibres at a crossing", positive)
               .value_or(context.restDistance(p.kindX, p.kindY));
   p.periodic = s.flag("weave_periodic", false, "periodic in x and y, every fibre closed on itself");
+  p.shaped = s.choice("weave_rest", "straight", {"straight", "shaped"},
+                      "shape of the fibres at rest: that of their kind, or the woven one") ==
+             "shaped";
   if (use != SceneUse::start) return nullptr;
   if (p.periodic && (p.alongX % 2 || p.alongY % 2))
     throw InputError("-weave_fibres: a periodic plain weave needs even numbers");

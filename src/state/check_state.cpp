@@ -85,8 +85,6 @@ void checkDatasets(const OpenState& state, bool complete) {
   if (total > 2147483647) state.refuse("more than 2^31 - 1 segments");
   if (checkDataset(state, rows::fibreClosed, complete) > total)
     state.refuse("/state/fibre_closed has more entries than there are segments");
-  if (h5::find(state.segments(), "rest_rotation") != h5::Found::nothing)
-    state.refuse("it has /state/rest_rotation, which this version of nanoweft does not know");
 }
 
 /// Names of kinds must be texts; their numbers are looked at row by row.

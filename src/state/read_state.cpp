@@ -5,6 +5,7 @@
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
 #include "nanoweft/state/memory.hpp"
+#include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/state_file.hpp"
 #include "nanoweft/state/state_format.hpp"
@@ -381,6 +382,10 @@ void fill(State& state, const Box& own, const RawRows& raw, const Chains& chains
     if (!raw.image.empty()) std::copy_n(&raw.image[3 * k], 3, state.image + 3 * k);
     if (std::ranges::binary_search(raw.closed, raw.fibre[k])) state.bond[k] |= fibreClosed;
     if (!raw.broken.empty() && raw.broken[k]) state.bond[k] |= nextBroken;
+    if (state.rest) {
+      const double* turn = state.rest + 3 * k;
+      setRest(state, i, {turn[0], turn[1], turn[2]});
+    }
     settleImages(own, state.box, state.pose + 8 * k, state.image + 3 * k);
     state.box.wrap(state.pose + 8 * k, state.image + 3 * k);
   }

@@ -65,6 +65,21 @@ TEST(KindsInOneRun, ARestartGoesOnWithThem) {
     EXPECT_TRUE(readFile(pieces / file) == readFile(whole / file)) << file;
 }
 
+TEST(KindsInOneRun, RestShapesHaveTheSameBytesAndGoOn) {
+  const std::string curved = weave + outputs + "-thin_fibre_rest_curvature 0.001,-0.002 ";
+  for (const std::string& options : {curved, weave + outputs + "-weave_rest shaped "}) {
+    const Folder whole, pieces;
+    auto outcome = run(whole, options + "-ts_max_steps 200", 1, 2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    outcome = run(pieces, options + "-ts_max_steps 90 -checkpoint_file c.h5", 3);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    outcome = run(pieces, outputs + "-restart c.h5 -ts_max_steps 200", 2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    for (const char* file : {"out.h5", "energy.csv"})
+      EXPECT_TRUE(readFile(pieces / file) == readFile(whole / file)) << options << file;
+  }
+}
+
 TEST(KindsInOneRun, TheSkinOfTheListsChangesNoByte) {
   const Folder reference;
   auto outcome = run(reference, weave + outputs + "-ts_max_steps 200", 2);

@@ -3,6 +3,7 @@
 
 #include "helpers.hpp"
 #include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/state/rest.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -107,6 +108,25 @@ TEST(Bond, TwistCostsTorsionalEnergyAlone) {
   const auto e = referenceBond.energy<double>({{13.56, 0, 0}, q, twisted});
   EXPECT_NEAR(e.torsion, referenceBond.torsion * (1 - std::cos(0.3)), 1e-10);
   EXPECT_NEAR(e.shear + e.bending + e.stretch, 0.0, 1e-12);
+}
+
+TEST(Bond, WithRestRotationsAgreesWithFiftyDigits) {
+  const auto rows = readTable("curved_bonds.csv");
+  ASSERT_EQ(rows.size(), 60u);
+  for (const auto& row : rows) {
+    BondGeometry<double> bond{vectorAt(row, 10) - vectorAt(row, 3), quaternionAt(row, 6),
+                              quaternionAt(row, 13)};
+    turnToRest(rotation(0.5 * vectorAt(row, 0)), bond);
+    const auto e = referenceBond.energy(bond);
+    const auto f = referenceBond.force(bond);
+    const double parts[4] = {e.stretch, e.shear, e.bending, e.torsion};
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_NEAR(parts[k], row[17 + k], 1e-10 * std::max(1e-3, row[17 + k]));
+    const double force = norm(vectorAt(row, 22)), torque = norm(vectorAt(row, 25));
+    EXPECT_LT(norm(f.force - vectorAt(row, 22)), 1e-10 * std::max(1e-1, force));
+    EXPECT_LT(norm(f.torqueI - vectorAt(row, 25)), 1e-10 * std::max(1.0, torque));
+    EXPECT_LT(norm(f.torqueJ - vectorAt(row, 28)), 1e-10 * std::max(1.0, torque));
+  }
 }
 
 TEST(Bond, LanesGiveTheBitsOfDoubles) {

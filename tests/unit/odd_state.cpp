@@ -307,8 +307,6 @@ TEST(OddState, PhysicsOfLaterVersionsIsRefused) {
   };
   expectRefused("does not know", group("link"));
   expectRefused("does not know", group("contact"));
-  expectRefused("does not know",
-                [](hid_t, hid_t g) { reals(g, "rest_rotation", std::vector<double>(15), 3); });
   expectRefused("its kind is 1; there are 1",
                 [](hid_t, hid_t g) { reals(g, "kind", {0, 0, 1, 1, 1}); });
   expectRead([](hid_t, hid_t g) { reals(g, "kind", std::vector<double>(5)); });

@@ -31,8 +31,11 @@ struct RunParts {
 
   System system() { return {*state, *domain, *forces, plan->boundaries, accounts}; }
   bool evaluatesOnly() const { return plan->evaluatesOnly(state->step); }
-  /// Numbers by which a later stage can tell whether its bonds are the same.
+  /// Numbers by which a later stage can tell whether its bonds are the same: for each kind radius,
+  /// length, mass, inertia and B1 to B4.
   std::vector<double> fingerprint() const;
+  /// The same of the rest shapes: for each kind twist and curvatures. Empty: all are straight.
+  std::vector<double> restShapes() const;
 
   std::unique_ptr<RunPlan> plan;
   Team team;

@@ -126,6 +126,14 @@ inline Quatd rotation(const Vec3d& a) {
   return {std::cos(h), f * a.x, f * a.y, f * a.z};
 }
 
+/// The rotation vector of a unit quaternion, of at most pi; `rotation` undoes it.
+inline Vec3d rotationVector(const Quatd& q) {
+  const double sign = q.w < 0 ? -1.0 : 1.0;
+  const Vec3d v{sign * q.x, sign * q.y, sign * q.z};
+  const double sine = norm(v);
+  return (sine > 1e-9 ? 2.0 * std::atan2(sine, sign * q.w) / sine : 2.0) * v;
+}
+
 /// One Newton step towards unit length: enough when |q| is within 1e-8 of one.
 template <class V>
 NW_INLINE Quat<V> renormalised(const Quat<V>& q) {

@@ -19,6 +19,8 @@ class Kinds {
 
   int count() const { return static_cast<int>(fibres_.size()); }
   bool several() const { return fibres_.size() > 1; }
+  /// Is any of them at rest in another shape than straight?
+  bool curved() const;
   const Fibre& operator[](int kind) const { return fibres_[static_cast<std::size_t>(kind)]; }
   auto begin() const { return fibres_.begin(); }
   auto end() const { return fibres_.end(); }

@@ -31,6 +31,9 @@ struct Fibre {
   double length = 0;   ///< T of a segment
   double inertia = 0;  ///< of a segment, isotropic
   EvmBond bond;
+  /// Rest shape: twist about the axis and curvatures about the second and third body axis, per
+  /// length. Zero: straight.
+  Vec3d rest{0, 0, 0};
 
   std::string kind;  ///< its name among -kinds
 
@@ -43,6 +46,9 @@ struct Fibre {
   double step = 0;           ///< usual time step; 0: from the stable step
   Strength strength;
 
+  bool curved() const { return rest.x != 0 || rest.y != 0 || rest.z != 0; }
+  /// Rotation from a segment's frame to its successor's at rest, as a rotation vector.
+  Vec3d restRotation() const { return length * rest; }
   double diameter() const { return 2.0 * radius; }
   double density() const { return mass / (crossSection() * length); }
   double crossSection() const;                                               ///< S

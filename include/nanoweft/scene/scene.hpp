@@ -12,6 +12,7 @@
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/state/memory.hpp"
+#include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/state.hpp"
 #include "nanoweft/state/state_file.hpp"
 
@@ -31,6 +32,7 @@ struct FibreGeometry {
   std::vector<Quatd> orientation;
   bool closed = false;
   int kind = 0;
+  std::vector<Vec3d> rest;  ///< rest rotations of the bonds to the successors; empty: the kind's
 };
 
 /// How far from rest the options want each bond to be.
@@ -46,6 +48,8 @@ class Scene {
   /// Appends the segments to the empty state, a share on each rank, with rows, chains and all.
   virtual void fill(State& state) const = 0;
   virtual StartRequest asked() const { return {}; }
+  /// Does it give bonds rest rotations of their own?
+  virtual bool shapesRest() const { return false; }
   /// The file that the state comes from, where it comes from one.
   virtual const StateHeader* header() const { return nullptr; }
   virtual std::string file() const { return ""; }
@@ -89,6 +93,7 @@ void fillFibres(State& state, std::int64_t fibres, int segments, const Make& mak
       x[2] = geometry.position[at].z;
       state.setKind(i, geometry.kind);
       state.setOrientation(i, geometry.orientation[at]);
+      if (!geometry.rest.empty()) setRest(state, i, geometry.rest[at]);
       state.box.wrap(x, state.image + 3 * i);
     }
   }

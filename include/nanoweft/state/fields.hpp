@@ -15,6 +15,7 @@ namespace nanoweft {
 struct ExtraFields {
   bool gap = false;      ///< which neighbours along a fibre have parted (breakage)
   bool viscous = false;  ///< viscous force and torque
+  bool rest = false;     ///< bonds with rest rotations of their own
 };
 
 /// Arrays of all segments of a rank, one value or a few (in brackets) for each. Null: not needed.
@@ -36,6 +37,9 @@ struct SegmentFields {
   /// [6], with viscous damping only: viscous force and torque. They depend on the velocities half a
   /// step back, so a restart cannot recompute them.
   double* viscous = nullptr;
+  // With rest rotations of single bonds only, of the bond to the successor:
+  double* rest = nullptr;      ///< [3]: rotation vector, body axes
+  double* restHalf = nullptr;  ///< [4]: half of that rotation as a quaternion
 };
 
 /// How a state file keeps a field.
@@ -77,6 +81,8 @@ struct Field {
   }
 };
 
+/// A fresh quaternion.
+inline constexpr std::array<double, 8> unit{1};
 /// Pose of a fresh segment: the unit quaternion.
 inline constexpr std::array<double, 8> upright{0, 0, 0, 0, 1};
 
@@ -95,6 +101,9 @@ inline constexpr Field fields[] = {
     {&SegmentFields::torque, "torque", 3, Stored::withForces},
     {&SegmentFields::gap, "gap", 4, Stored::extra, Ghosts::never, &ExtraFields::gap},
     {&SegmentFields::viscous, "viscous", 6, Stored::extra, Ghosts::never, &ExtraFields::viscous},
+    {&SegmentFields::rest, "rest_rotation", 3, Stored::extra, Ghosts::never, &ExtraFields::rest},
+    {&SegmentFields::restHalf, "rest_half", 4, Stored::no, Ghosts::whenBuilt, &ExtraFields::rest,
+     unit},
 };
 
 }  // namespace nanoweft

@@ -1,0 +1,40 @@
+/// Rest rotations of bonds (model.md 12). A bond at rest turns segment i by q0 into its successor j.
+/// Each end takes half of it: with h = q0^(1/2), the bond's law sees the frames
+///
+///     Q_i = q_i h,   Q_j = q_j h^-1,
+///
+/// which are equal at rest, with the chord along their first axis. Both are fixed to the segments,
+/// so forces and torques are those of the law.
+#pragma once
+
+#include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/state/state.hpp"
+
+namespace nanoweft {
+
+/// h of the bond from segment i to its successor.
+inline Quatd restHalfOf(const State& state, const Kinds& kinds, int i) {
+  if (const double* h = state.restHalf)
+    return {h[4 * i], h[4 * i + 1], h[4 * i + 2], h[4 * i + 3]};
+  const Fibre& fibre = kinds[state.kind(i)];
+  return fibre.curved() ? rotation(0.5 * fibre.restRotation()) : Quatd{1, 0, 0, 0};
+}
+
+/// Turns the frames of a bond into those that are equal at rest.
+template <class V>
+NW_INLINE void turnToRest(const Quat<V>& half, BondGeometry<V>& bond) {
+  bond.qi = bond.qi * half;
+  bond.qj = bond.qj * Quat<V>{half.w, -half.x, -half.y, -half.z};
+}
+
+/// Gives the bond from segment i to its successor a rest rotation; the state must have the fields.
+inline void setRest(State& state, int i, const Vec3d& turn) {
+  double* rest = state.rest + 3 * i;
+  rest[0] = turn.x, rest[1] = turn.y, rest[2] = turn.z;
+  const Quatd h = rotation(0.5 * turn);
+  double* half = state.restHalf + 4 * i;
+  half[0] = h.w, half[1] = h.x, half[2] = h.y, half[3] = h.z;
+}
+
+}  // namespace nanoweft
