@@ -1,5 +1,7 @@
 """Tubes to a lit picture: lamp, shadows, ambient occlusion, and the paper they lie on."""
 
+import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .tubes import Canvas, rasterise
 
 Array = NDArray[Any]
+Shifted = Callable[..., Array]  # a layer as seen by samples that lie x and y aside
 
 LAMP = np.array([-0.50, 0.60, 0.85]) / np.linalg.norm([-0.50, 0.60, 0.85])
 HALF = (LAMP + [0, 0, 1]) / np.linalg.norm(LAMP + [0, 0, 1])
@@ -23,7 +26,7 @@ class Scene(NamedTuple):
     radius: Array
     albedo: Array  # linear, as is `paper`
     paper: Array
-    thick: float        # usual radius
+    radii: tuple[float, float]  # the thinnest and the thickest
     level: float
     tilt: float
 
@@ -44,8 +47,10 @@ def linear(colour: ArrayLike) -> Array:
 
 def draw(scene: Scene, width: int, height: int, sampling: int) -> Array:
     """The picture in sRGB, top row first, each pixel the mean of sampling x sampling samples."""
-    thick = min(scene.thick, 40.0)  # a close-up need not look far around each sample
-    reach = -(-int(np.ceil(9 * thick) + 1) // sampling) * sampling
+    # A close-up need not look far around each sample.
+    thin, thick = (min(radius, 40.0) for radius in scene.radii)
+    scales = (thin,) if thick < 2 * thin else (thin, thick)
+    reach = -(-int(np.ceil(9 * scales[-1]) + 1) // sampling) * sampling
     band = max(8, int(MOST_SAMPLES / (width * sampling) / sampling) - 2 * reach // sampling)
     picture = np.empty((height, width, 3), np.float32)
     for low in range(0, height, band):
@@ -55,8 +60,8 @@ def draw(scene: Scene, width: int, height: int, sampling: int) -> Array:
         canvas = Canvas(width * sampling + 2 * reach, (high - low) * sampling + 2 * reach)
         layers = Layers(*rasterise(scene.a - shift, scene.b - shift, scene.tangent, scene.radius, canvas),
                         reach, corner[1])
-        picture[low:high] = shade(scene, layers, thick, sampling)
-    if scene.thick < 1.5 * sampling:
+        picture[low:high] = shade(scene, layers, scales, sampling)
+    if scene.radii[0] < 1.5 * sampling:
         picture = soften(picture)
     return np.asarray(np.minimum(picture[::-1], 1) ** np.float32(1 / 2.2))
 
@@ -71,8 +76,34 @@ def soften(picture: Array, share: float = 0.14) -> Array:
     return picture
 
 
-def shade(scene: Scene, layers: Layers, radius: float, sampling: int) -> Array:
-    """The lit inner part of the layers."""
+def occlusion(depth: Shifted, normal: tuple[Array, Array, Array], radius: float,
+              phase: float) -> Array:
+    """Share of the sky, 0 to 0.8, that is closed by what rises above the tangent plane."""
+    here = depth()
+    nx, ny, nz = normal
+    closed = np.zeros_like(here)
+    for ring, directions in ((1.4, 5), (3.0, 5), (6.0, 6)):
+        for angle in (np.arange(directions) + phase + ring) * 2 * np.pi / directions:
+            x, y = ring * radius * np.cos(angle), ring * radius * np.sin(angle)
+            z = depth(x, y) - here
+            sine = (nx * x + ny * y + nz * z) / np.sqrt(x * x + y * y + z * z)
+            closed += np.clip(sine - np.float32(0.1), 0, 0.8) / 16
+    return closed
+
+
+def cast_shadow(shadow: Array, depth: Shifted, radius: float, phase: float) -> None:
+    """Deepens the shadow by what stands in the way to the light, softer with distance."""
+    here = depth()
+    for step in radius * (0.5 + np.arange(8) + phase):
+        way = (depth(LAMP[0] / FLAT * step, LAMP[1] / FLAT * step) - here
+               - np.float32(LAMP[2] / FLAT * step))
+        # Tubes have an underside: light passes below those that are far above.
+        way = np.minimum(way, 4.5 * radius - way)
+        np.maximum(shadow, np.clip(way / (0.2 * radius + 0.2 * step), 0, 1), out=shadow)
+
+
+def shade(scene: Scene, layers: Layers, scales: tuple[float, ...], sampling: int) -> Array:
+    """The lit inner part of the layers; scales: radii of the tubes, as far as they differ much."""
     depth, owner, normal, reach, bottom = layers
     height, width = (side - 2 * reach for side in depth.shape)
     seen = owner >= 0
@@ -81,7 +112,7 @@ def shade(scene: Scene, layers: Layers, radius: float, sampling: int) -> Array:
     steep = 1 / np.sqrt(1 + scene.tilt ** 2)
     normal[1][~seen] = -scene.tilt * steep
     # On tubes of a pixel or two, shading as deep as on thick ones would only grey the colours.
-    strength = np.float32(np.clip(0.4 * scene.thick / sampling, 0.6, 1))
+    strength = np.float32(np.clip(0.4 * scene.radii[0] / sampling, 0.6, 1))
 
     picture = np.zeros((height // sampling, width // sampling, 3), np.float32)
     # Each of the samples averaged into one pixel looks in other directions: few samples look like
@@ -100,23 +131,12 @@ def shade(scene: Scene, layers: Layers, radius: float, sampling: int) -> Array:
         here, tube, nx, ny = part(depth), part(owner), part(normal[0]), part(normal[1])
         hit = tube >= 0
         nz = np.sqrt(np.maximum(1 - nx * nx - ny * ny, 0))
-        # Ambient occlusion: what rises above the tangent plane takes light away.
-        closed = np.zeros_like(here)
-        for ring, directions in ((1.4, 5), (3.0, 5), (6.0, 6)):
-            for angle in (np.arange(directions) + phase + ring) * 2 * np.pi / directions:
-                x, y = ring * radius * np.cos(angle), ring * radius * np.sin(angle)
-                z = part(depth, x, y) - here
-                sine = (nx * x + ny * y + nz * z) / np.sqrt(x * x + y * y + z * z)
-                closed += np.clip(sine - np.float32(0.1), 0, 0.8) / 16
+        closed, shadow = np.zeros_like(here), np.zeros_like(here)
+        around = functools.partial(part, depth)
+        for radius in scales:
+            np.maximum(closed, occlusion(around, (nx, ny, nz), radius, phase), out=closed)
+            cast_shadow(shadow, around, radius, phase)
         ambient = np.exp(-4 * strength * closed)
-        # Shadow: what stands in the way to the light, softer with distance.
-        shadow = np.zeros_like(here)
-        for step in radius * (0.5 + np.arange(8) + phase):
-            way = (part(depth, LAMP[0] / FLAT * step, LAMP[1] / FLAT * step) - here
-                   - np.float32(LAMP[2] / FLAT * step))
-            # Tubes have an underside: light passes below those that are far above.
-            way = np.minimum(way, 4.5 * radius - way)
-            np.maximum(shadow, np.clip(way / (0.2 * radius + 0.2 * step), 0, 1), out=shadow)
         lamp = (1 - 0.85 * strength * shadow) * np.maximum(nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2], 0)
         gloss = np.maximum(nx * HALF[0] + ny * HALF[1] + nz * HALF[2], 0) ** 40 * (1 - shadow)
         diffuse = ambient * (0.40 + 0.1 * ny) + 0.85 * lamp * (0.4 + 0.6 * ambient)
