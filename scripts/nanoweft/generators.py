@@ -31,14 +31,14 @@ def straight(start: ArrayLike, count: int, axis: int = 0, spacing: float = LENGT
 def gathered() -> list[Array]:
     """A fabric that has gathered at one side: three layers of touching tubes, then loose ones."""
     tubes = [straight((TOUCHING * (k + 0.5 * (layer % 2)), 0, 0.87 * TOUCHING * layer), 100, 1)
-             for k in range(20) for ply in range(3)]
+             for k in range(20) for layer in range(3)]
     return tubes + [straight((20 * TOUCHING + 5 * LENGTH * (k + 1), 0, 0), 100, 1) for k in range(40)]
 
 
 def ball() -> list[Array]:
     """Layers of touching turns on a cylinder: a fibre a layer, since the radius jumps from one to the next."""
     points = []
-    for ply in range(8):
+    for layer in range(8):
         radius = 150 + TOUCHING * layer
         turn = LENGTH / math.hypot(radius, TOUCHING / (2 * math.pi))
         angle = np.arange(0, 2 * math.pi * 12, turn)
@@ -225,7 +225,7 @@ def mixed_bench(thin: int = 50_000, thick: int = 200) -> states.State:
     length = 20 * GLASS.T
     warp, weft = cut(thick, 20), cut(thin, int(length / CNT.T))
     coat = rings(-(-len(weft) // len(warp)))
-    spacing = 2 * np.linalg.norm(coat[-1]) + TOUCHING
+    spacing = 2 * float(np.linalg.norm(coat[-1])) + TOUCHING
     cores = hexagon(spacing, math.ceil(math.sqrt(len(warp) / 3)))
     cores = cores[np.argsort(np.linalg.norm(cores, axis=1).round(6), kind="stable")][:len(warp)]
     fibres = []
