@@ -99,13 +99,6 @@ class Kinds(FolderTest):
                            for more in ((), ("--color", "fibre")))
         np.testing.assert_array_equal(plain, coloured)
 
-    def test_names_may_be_an_array(self):
-        write_two(self.path("a.h5"))
-        for names in ["cnt", "glass"], np.array([b"cnt", b"glass"]):
-            write_two(self.path("b.h5"), names)
-            one, other = (self.draw(name, "--size", "300x200") for name in ("a.h5", "b.h5"))
-            np.testing.assert_array_equal(one, other)
-
     def test_export(self):
         state = read_state(write_two(self.path("in.h5")))
         self.expect("export", "in.h5", "-o", "out.xyz")
@@ -162,8 +155,9 @@ class Kinds(FolderTest):
                 ("real", "kind holds no whole numbers"),
                 ("short", "kind does not match the 112 segments"),
                 ("fibre", "fibre of /run does not hold 8 numbers, first a radius above 0, for each")):
-            self.expect_refusal(f"{name}.h5: {text}", "render", f"{name}.h5", "-o", "out.png")
             self.expect_refusal(f"{name}.h5: {text}", "export", f"{name}.h5", "-o", "out.xyz")
+        for name, text in ("range", "segment 105 is of kind 2"), ("fibre", "fibre of /run does not hold"):
+            self.expect_refusal(f"{name}.h5: {text}", "render", f"{name}.h5", "-o", "out.png")
         self.assertFalse({"out.png", "out.xyz"} & set(os.listdir(self.folder)))
         write_two(self.path("in.h5"))
         write_two(self.path("other.h5"), names="glass,cnt")
@@ -172,8 +166,14 @@ class Kinds(FolderTest):
                             "--sheet", "-o", "out.png")
 
 
-class Generators(FolderTest):
-    """States of two kinds, laid by the package itself."""
+class Package(FolderTest):
+    """States of two kinds, read, laid and written by the package itself."""
+
+    def test_names_may_be_an_array(self):
+        for names in "cnt,glass", ["cnt", "glass"], np.array([b"cnt", b"glass"]):
+            state = states.read(write_two(self.path("in.h5"), names))
+            self.assertEqual((state.kinds.names, state.kinds.radii), (("cnt", "glass"), (THIN, THICK)))
+            np.testing.assert_array_equal(state.radius(), np.repeat([THIN, THICK], [101, 11]))
 
     def distances(self, state):
         """The smallest distance between segments of different fibres, by the kinds of the two."""

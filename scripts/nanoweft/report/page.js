@@ -163,20 +163,20 @@
       return [out, chips([['whole fibres', given.maps.whole], ['broken fibres', given.maps.hurt]])];
     }
     // Neighbours in the list, often neighbours in space, differ in lightness.
-    const shade = (i, colour) => {
-      const factor = 0.86 + 0.28 * ((series.fibre[i] * 0.618034) % 1);
+    const shade = (i, colour, by) => {
+      const factor = 1 - 0.5 * by + by * ((series.fibre[i] * 0.618034) % 1);
       for (let c = 0; c < 3; c++) out[3 * i + c] = Math.min(255, colour[c] * factor);
     };
     if (name === 'kind') {
       const palette = series.kinds.map((_, k) => maps.kinds[k % maps.kinds.length]);
       const parts = palette.map(rgb);
-      for (let i = 0; i < series.count; i++) shade(i, parts[series.kind[i]]);
+      for (let i = 0; i < series.count; i++) shade(i, parts[series.kind[i]], 0.16);
       return [out, chips(series.kinds.map((kind, k) => [text(kind), palette[k]]))];
     }
     const map = ramp(maps.fibres), n = series.runs.length;
     for (let i = 0; i < series.count; i++) {
       const k = Math.round(((series.fibre[i] + 0.5) / n) * 255);
-      shade(i, map.subarray(3 * k, 3 * k + 3));
+      shade(i, map.subarray(3 * k, 3 * k + 3), 0.28);
     }
     return [out, `<div class="muted">${n} fibres, a colour each</div>`];
   }
