@@ -1,6 +1,7 @@
 """What the commands in scripts/ are made of.
 
 states       state files: read, write, the tubes in them
+kinds        kinds of segments: names, radii
 tables       CSV tables, with or without lines of provenance
 options      option files and options as words of a command
 runs         runs of the program with the environment of scripts/environment

@@ -10,6 +10,11 @@ def positive(text: str) -> float:
     return value
 
 
+def positives(text: str) -> tuple[float, ...]:
+    """A,B,..."""
+    return tuple(map(positive, text.split(",")))
+
+
 def fraction(text: str) -> float:
     """Above 0, at most a half."""
     value = float(text)

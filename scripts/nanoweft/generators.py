@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -121,20 +121,20 @@ def bisect(low: float, high: float, f: Callable[[float], Any]) -> float:
 
 
 class Wave:
-    """z = A cos(pi (s/p - 1/2)), walked along in chords of one segment."""
+    """z = A cos(pi (s/p - 1/2)), walked along in chords of one segment, of length T."""
 
-    def __init__(self, pitch: float) -> None:
-        self.pitch = pitch
+    def __init__(self, pitch: float, amplitude: float = 0.5 * CROSSING, T: float = LENGTH) -> None:
+        self.pitch, self.amplitude, self.T = pitch, amplitude, T
 
     def height(self, s: Any) -> Any:
-        return 0.5 * CROSSING * np.cos(np.pi * (s / self.pitch - 0.5))
+        return self.amplitude * np.cos(np.pi * (s / self.pitch - 0.5))
 
     def walk(self, start: float, count: int) -> Array:
         s = [start]
         while len(s) < count:
             here, z = s[-1], self.height(s[-1])
-            s.append(bisect(here, here + LENGTH,
-                            lambda t: (t - here)**2 + (self.height(t) - z)**2 - LENGTH**2))
+            s.append(bisect(here, here + self.T,
+                            lambda t: (t - here)**2 + (self.height(t) - z)**2 - self.T**2))
         return np.array(s)
 
 
@@ -159,3 +159,97 @@ def weave(fibres: int, segments: int, periodic: bool = False) -> states.State:
     return states.State(rows, corner, np.array([span, span, 0]) - corner,
                         np.array([periodic, periodic, False]),
                         closed=np.arange(2 * fibres if periodic else 0))
+
+
+class Kind(NamedTuple):
+    """What a kind of fibres is called; radius and length of its segments, A."""
+    name: str
+    radius: float
+    T: float
+
+
+CNT, GLASS = Kind("cnt", 6.78, LENGTH), Kind("glass", 68.0, 136.0)
+GAP = TOUCHING - LENGTH  # between the surfaces of two tubes that touch, A
+
+
+@dataclass(frozen=True)
+class Plies:
+    """Plies of parallel thick fibres along x, each woven through by thin ones along y."""
+    count: int = 2
+    warp: int = 4           # thick fibres of a ply
+    weft: int = 24          # thin fibres of a ply
+    segments: int = 12      # of a thick fibre
+    gap: float = GAP        # at least, between the surfaces of two fibres, A
+    seed: int = 1           # of the places of the thin fibres
+
+
+def composite(plies: Plies = Plies(), thick: Kind = GLASS, thin: Kind = CNT) -> states.State:
+    """Thin fibres that go over and under thick ones, their neighbours the other way round; kinds
+    `thin` (0) and `thick` (1). No two are closer than the gap."""
+    bow = thick.radius + thin.radius + plies.gap
+    # At this pitch the crest of the wave is as round as the fibre that it goes over.
+    pitch = math.pi * bow
+    wave, width = Wave(pitch, bow, thin.T), plies.warp * pitch
+    across = wave.walk(0.0, math.ceil(1.5 * width / thin.T))
+    across = across[across <= width]
+    length = plies.segments * thick.T
+    closest, apart = 2 * thin.radius + plies.gap, length / plies.weft
+    if apart < closest:
+        raise ValueError(f"{plies.weft} thin fibres do not fit beside each other into {length:g} A")
+    random = np.random.default_rng(plies.seed)
+    shift = 0.5 * (apart - closest) * (random.random((plies.count, plies.weft)) - 0.5)
+    fibres = []
+    for ply in range(plies.count):
+        height = ply * (2 * (bow + thin.radius) + plies.gap)
+        for j in range(plies.weft):
+            x = (j + 0.5) * apart + shift[ply, j] - 0.5 * thick.T
+            z = height + (-1)**j * wave.height(across)
+            fibres.append(np.column_stack([np.full(len(across), x), across, z]))
+        fibres += [straight((0, (k + 0.5) * pitch, height), plies.segments, 0, thick.T)
+                   for k in range(plies.warp)]
+    kind = np.tile(np.repeat([0, 1], [plies.weft, plies.warp]), plies.count)
+    return in_box(fibres, kind, (thin, thick))
+
+
+def in_box(fibres: Sequence[Array], kind: ArrayLike, kinds: Sequence[Kind]) -> states.State:
+    """A state of two or more kinds, with room around it."""
+    places, room = np.concatenate(fibres), 2 * max(one.T for one in kinds)
+    state = states.of_fibres([(x, rotations.along(x)) for x in fibres],
+                             places.min(axis=0) - room, places.max(axis=0) + room)
+    return states.of_kinds(state, [one.name for one in kinds], kind)
+
+
+def mixed_bench(thin: int = 50_000, thick: int = 200) -> states.State:
+    """As many segments of two kinds, CNT (0) and GLASS (1), all along x and at rest: fibres of 20
+    thick segments, each in a coat of thin fibres that touch it and each other."""
+    length = 20 * GLASS.T
+    warp, weft = cut(thick, 20), cut(thin, int(length / CNT.T))
+    coat = rings(-(-len(weft) // len(warp)))
+    spacing = 2 * float(np.linalg.norm(coat[-1])) + TOUCHING
+    cores = hexagon(spacing, math.ceil(math.sqrt(len(warp) / 3)))
+    cores = cores[np.argsort(np.linalg.norm(cores, axis=1).round(6), kind="stable")][:len(warp)]
+    fibres = []
+    for j, count in enumerate(weft):
+        # Each is shifted along itself by another part of a segment.
+        start = CNT.T * (j * 0.618034 % 1), *(cores[j % len(cores)] + coat[j // len(cores)])
+        fibres.append(straight(start, count, 0, CNT.T))
+    fibres += [straight((0.5 * GLASS.T, *core), count, 0, GLASS.T)
+               for core, count in zip(cores, warp)]
+    return in_box(fibres, np.repeat([0, 1], [len(weft), len(warp)]), (CNT, GLASS))
+
+
+def cut(segments: int, longest: int) -> list[int]:
+    """Numbers of segments of fibres that have as many in all."""
+    return [min(longest, segments - begin) for begin in range(0, segments, longest)]
+
+
+def rings(count: int) -> Array:
+    """Places in a plane of thin fibres around a thick one: in rings, at their resting distance."""
+    places: list[Array] = []
+    radius = GLASS.radius + CNT.radius + GAP
+    while sum(map(len, places)) < count:
+        there = int(math.pi / math.asin(0.5 * TOUCHING / radius))
+        angle = 2 * math.pi / there * np.arange(there)
+        places.append(radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+        radius += TOUCHING
+    return np.concatenate(places)[:count]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -11,6 +12,8 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import kinds
+from .kinds import Kinds
 from .problems import Unusable
 from .units import time_text
 
@@ -20,7 +23,7 @@ Path = str | os.PathLike[str]
 # Columns of the rows that readers here know, and what they are where a file has none (None: it must have them).
 ROWS: dict[str, tuple[int, float | None]] = {
     "position": (3, None), "orientation": (4, None), "fibre": (1, None), "index": (1, None),
-    "image": (3, 0), "group": (1, 0), "bond_broken": (1, 0)}
+    "image": (3, 0), "group": (1, 0), "bond_broken": (1, 0), "kind": (1, 0)}
 PLACES = ("state", "field", "mesh")
 LEFT_GRIP, RIGHT_GRIP = 1 << 28, 1 << 29  # bits of the group masks: held by a grip of the tension test
 BLOCK = 16384  # rows at a time; also the chunk of the datasets
@@ -43,6 +46,7 @@ class State:
     closed: Array = field(default_factory=no_ids)  # ids of the fibres that are rings
     attributes: dict[str, Any] = field(default_factory=dict)
     run: dict[str, Any] = field(default_factory=dict)  # attributes of /run: by which run it was written
+    kinds: Kinds = Kinds()
     values: Array | None = None  # a number for each segment, where one was asked for
 
     def __len__(self) -> int:
@@ -69,6 +73,11 @@ class State:
     @property
     def time_text(self) -> str:
         return time_text(self.time, self.units)
+
+    def radius(self, given: Sequence[float] = (), usual: float = math.nan) -> Array:
+        """Of each segment [N], in the state's unit of length: one given for all or one for each
+        kind, else as the run that wrote the state had it, else `usual`."""
+        return np.asarray(self.kinds.thickness(given, usual)[self["kind"]])
 
     def in_order(self) -> Array:
         """Rows by fibre and index."""
@@ -113,6 +122,7 @@ class StateFile:
                                for key, value in source.attrs.items()}
             self.run = ({key: as_text(value) for key, value in self.file["run"].attrs.items()}
                         if "run" in self.file else {})
+            names = self.group["kind"].attrs.get("kinds") if "kind" in self.group else None
         except (OSError, KeyError, AttributeError, RuntimeError):
             raise Unusable(self.foreign) from None
         if self.attributes.get("format") != "nanoweft-state":
@@ -130,6 +140,10 @@ class StateFile:
             self.periodic = np.array(self.attributes.get("periodic", (0, 0, 0))).reshape(3) != 0
         except (TypeError, ValueError) as error:
             raise Unusable(f"{self.name}: attributes missing or wrong ({error})") from None
+        try:
+            self.kinds = kinds.read(names, self.run.get("fibre"))
+        except Unusable as problem:
+            raise Unusable(f"{self.name}: {problem}") from None
         self.check_shapes()
 
     def check_shapes(self) -> None:
@@ -155,9 +169,16 @@ class StateFile:
                 raise Unusable(f"{self.name}: no {name} in it")
             return np.full((end - begin, columns)[:columns], default)
         try:
-            return np.asarray(self.group[name][begin:end])
+            return self.rows(name, begin, end)
         except OSError:
             raise Unusable(f"{self.name}: damaged (segments {begin} to {end - 1} cannot be read)") from None
+
+    def rows(self, name: str, begin: int = 0, end: int | None = None) -> Array:
+        """Some rows of a dataset that the file has."""
+        rows = np.asarray(self.group[name][begin:end])
+        if name == "kind" and (problem := self.kinds.problem(rows, begin)):
+            raise Unusable(f"{self.name}: {problem}")
+        return rows
 
     def names(self) -> list[str]:
         """Datasets with a row for each segment."""
@@ -169,15 +190,14 @@ class StateFile:
         """The state with these datasets (None: all), and a number for each segment from the dataset `values`."""
         there = self.names()
         try:
-            rows = {name: self.group[name][()] for name in there if names is None or name in names}
+            rows = {name: self.rows(name) for name in there if names is None or name in names}
             closed = self.group["fibre_closed"][()] if "fibre_closed" in self.group else no_ids()
         except (OSError, RuntimeError):
             raise Unusable(self.foreign) from None
         if not np.isfinite(rows["position"]).all():
             raise Unusable(f"{self.name}: some position is not finite")
         state = State(rows, self.lower, self.upper, self.periodic, self.step, self.time, self.units,
-                      closed,
-                      self.attributes, self.run)
+                      closed, self.attributes, self.run, self.kinds)
         if values:
             state.values = self.numbers(values)
         return state
@@ -235,6 +255,13 @@ def of_fibres(fibres: Sequence[Fibre], lower: ArrayLike, upper: ArrayLike,
                  closed=np.arange(len(fibres)) if closed else no_ids())
 
 
+def of_kinds(state: State, names: Sequence[str], kind: ArrayLike) -> State:
+    """The state with kinds of these names; `kind`: number of the kind of each fibre, by its id."""
+    state.rows["kind"] = np.asarray(kind, np.int32)[state["fibre"]]
+    state.kinds = Kinds(tuple(names))
+    return state
+
+
 def write(name: Path, state: State) -> None:
     """A state file as one makes it by hand: without digest and provenance."""
     with h5py.File(name, "w") as file:
@@ -246,6 +273,8 @@ def write(name: Path, state: State) -> None:
                            periodic=np.asarray(state.periodic, np.int32))
         for key, rows in state.rows.items():
             group[key] = rows
+        if "kind" in state and state.kinds.names:
+            group["kind"].attrs["kinds"] = ",".join(state.kinds.names)
         if len(state.closed):
             group["fibre_closed"] = state.closed
 

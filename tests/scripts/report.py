@@ -142,8 +142,8 @@ class Report(FolderTest):
 
     def test_radius(self):
         write_state(self.path("final.h5"), [straight(0)])
-        self.assertEqual(self.data(self.make()[1])["series"][0]["radius"], 6.78)
-        self.assertEqual(self.data(self.make("--radius", "3")[1])["series"][0]["radius"], 3)
+        self.assertEqual(self.data(self.make()[1])["series"][0]["radii"], [6.78])
+        self.assertEqual(self.data(self.make("--radius", "3")[1])["series"][0]["radii"], [3])
 
     def test_files_that_cannot_be_read_are_named(self):
         write_state(self.path("final.h5"), [straight(0)])

@@ -16,7 +16,7 @@ from ..units import length_unit
 Array = NDArray[Any]
 Limits = tuple[float, float]
 Legend = tuple[tuple[str, str], ...]
-NAMED = ("fibre", "stretch", "group", "height", "broken")
+NAMED = ("fibre", "kind", "stretch", "group", "height", "broken")
 
 
 def ramp(*colours: Any) -> LinearSegmentedColormap:
@@ -28,16 +28,19 @@ class Palette(NamedTuple):
     fibres: Colormap  # over the fibre ids, so that a weave's warp comes out cool and its weft warm
     diverging: Colormap
     sequential: Colormap
+    kinds: tuple[str, ...]
 
 
 WHITE = Palette(
     ramp("#17406B", "#1F6FA8", "#2A9D9A", "#86B583", "#E3BC55", "#EE9440", "#D9572F", "#8F1D2C"),
     ramp("#0B4F8A", "#4C9BCB", "#A9C9DC", "#CFCBC4", "#E8B196", "#DD6E4B", "#97182B"),
-    ramp(*matplotlib.colormaps["viridis"](np.linspace(0, 0.94, 9))))
+    ramp(*matplotlib.colormaps["viridis"](np.linspace(0, 0.94, 9))),
+    ("#2F6690", "#CFB07A", "#4E9F95", "#B4553F", "#9A86BE", "#7C8791"))
 BLACK = Palette(
     ramp("#3A78C8", "#2F93D0", "#35B3AE", "#94C98F", "#F0CC66", "#F7A04C", "#EE6B40", "#D2454F"),
     ramp("#2F8CE0", "#6DB3E6", "#B7D2E2", "#D8D4CE", "#F0B898", "#EE7C52", "#DC3B48"),
-    ramp(*matplotlib.colormaps["viridis"](np.linspace(0.18, 1, 9))))
+    ramp(*matplotlib.colormaps["viridis"](np.linspace(0.18, 1, 9))),
+    ("#5896CF", "#DCC08E", "#66BCAF", "#DB7759", "#B7A4DC", "#A4AEB8"))
 GROUPS = ["#B8BCC0", "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#F0E442"]
 WHOLE, TORN, BREAK = "#B9C3CC", "#5B8DB8", "#E8421C"
 NOTHING = "#8A8A8A"
@@ -80,6 +83,8 @@ def colour(how: str, state: State, tubes: Tubes, palette: Palette,
     """`scale`: numbers of the tubes, as `values_of` has them, and the range of the colours."""
     if how == "fibre":
         return by_fibre(state["fibre"], tubes, palette)
+    if how == "kind":
+        return by_kind(state, tubes, palette)
     if how == "group":
         return by_group(state, tubes)
     if how == "broken":
@@ -109,9 +114,22 @@ def by_scale(how: str, units: str, palette: Palette, values: Array, limits: Limi
 def by_fibre(fibre: Array, tubes: Tubes, palette: Palette) -> Colours:
     ids, rank = np.unique(fibre, return_inverse=True)
     rank = rank[tubes[1]]
-    # Neighbours in the list, often neighbours in space, differ in lightness.
-    shade = 0.86 + 0.28 * (rank * 0.618034 % 1)
-    return Colours(np.minimum(palette.fibres((rank + 0.5) / len(ids))[:, :3] * shade[:, None], 1))
+    return Colours(shaded(palette.fibres((rank + 0.5) / len(ids))[:, :3], rank))
+
+
+def by_kind(state: State, tubes: Tubes, palette: Palette) -> Colours:
+    kind, rank = (rows[tubes.first] for rows in (state["kind"],
+                                                 np.unique(state["fibre"], return_inverse=True)[1]))
+    names = state.kinds.names or ("one kind",)
+    colours = [palette.kinds[k % len(palette.kinds)] for k in range(len(names))]
+    legend = tuple((names[k], colours[k]) for k in np.unique(kind))
+    return Colours(shaded(np.array([to_rgb(c) for c in colours])[kind], rank, 0.16), None, legend)
+
+
+def shaded(rgb: Array, rank: Array, by: float = 0.28) -> Array:
+    """Neighbours in the list of fibres, often neighbours in space, differ in lightness."""
+    shade = 1 - 0.5 * by + by * (rank * 0.618034 % 1)
+    return np.asarray(np.minimum(rgb * shade[:, None], 1))
 
 
 def by_group(state: State, tubes: Tubes) -> Colours:
@@ -132,5 +150,5 @@ def by_breaks(state: State, tubes: Tubes) -> Colours:
 
 
 def check_range(how: str, limits: Limits | None) -> None:
-    if limits and how in ("fibre", "group", "broken"):
+    if limits and how in ("fibre", "kind", "group", "broken"):
         raise Unusable(f"--range needs colours on a scale; {how} has none")

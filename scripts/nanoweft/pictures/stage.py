@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from .. import states
 from ..problems import Unusable
-from ..states import State, Tubes
+from ..states import State, StateFile, Tubes
 from . import colours, light
 from .page import Layout, Look
 from .tubes import camera, tangents
 
 Array = NDArray[Any]
 
-WANTED = ("position", "fibre", "index", "image", "group", "bond_broken")
+WANTED = ("position", "fibre", "index", "image", "group", "bond_broken", "kind")
 THINNEST = 1.15  # radius in pixels, below which over and under could not be told apart
 DARK, LIGHT = "#15171B", "#E8E8E8"
 
@@ -28,6 +28,12 @@ DARK, LIGHT = "#15171B", "#E8E8E8"
 def load(name: str, color: str) -> tuple[State, Tubes]:
     state = states.read(name, WANTED, None if color in colours.NAMED else color)
     return state, states.find_tubes(state)
+
+
+def usual_colour(file: str) -> str:
+    """By what to colour where nothing is asked for."""
+    with StateFile(file) as state:
+        return "kind" if len(state.kinds) > 1 else "fibre"
 
 
 @dataclass
@@ -39,13 +45,13 @@ class View:
     direction: tuple[float, float] = (-90, 90)
     zoom: float = 1
     center: tuple[float, ...] | None = None
-    radius: float | None = None
+    radius: tuple[float, ...] = ()        # of the tubes: one for all or one for each kind
     length: float | None = None           # of a bond without strain
     dark: bool = False
 
 
 class Stage:
-    """What all pictures made together share: camera, section, range of colours, thickness."""
+    """What all pictures made together share: camera, section, range of colours."""
 
     def __init__(self, options: View, files: list[str]) -> None:
         self.how, self.zoom, self.marked = options.color, options.zoom, options.breaks
@@ -58,33 +64,44 @@ class Stage:
         length = np.linalg.norm(position[second] - position[first], axis=1)[first != second]
         self.natural = (options.length or state.attributes.get("segment_length")
                         or (np.median(length) if len(length) else 1))
-        self.radius = options.radius or (6.78 if self.units == "nano" else 0.5 * self.natural)
+        self.given = options.radius
+        self.usual = 6.78 if self.units == "nano" else 0.5 * self.natural
         self.survey(files, options.limits)
         self.middle = (self.low + self.high) / 2
         if options.center:
             self.middle = self.eye @ (*options.center, self.height)[:3]
-        across = np.maximum((self.high - self.low)[:2], 2 * self.radius)
+        across = np.maximum((self.high - self.low)[:2], 2 * self.thin)
         self.aspect = np.clip(across[0] / across[1], 0.4, 2.5)
 
+    def radius(self, state: State) -> Array:
+        try:
+            return state.radius(self.given, self.usual)
+        except Unusable as problem:
+            raise Unusable(f"--radius: {problem}") from None
+
     def survey(self, files: list[str], limits: colours.Limits | None) -> None:
-        """Corners of everything, seen by the camera, and the range of the colours."""
-        low, high, heights, ranges = [], [], [], []
+        """Corners of everything, seen by the camera, radii, and the range of the colours."""
+        low, high, heights, ranges, radii = [], [], [], [], []
         for name in files:
             state, tubes = load(name, self.how)
             if state.units != self.units:
                 raise Unusable(f"{name}: in other units than {files[0]}")
-            seen = tubes[0] @ self.eye.T
-            low.append(seen.min(axis=0))
-            high.append(seen.max(axis=0))
+            seen, radius = tubes[0] @ self.eye.T, self.radius(state)
+            radii += [radius.min(), radius.max()]
+            low.append((seen - radius[:, None]).min(axis=0))
+            high.append((seen + radius[:, None]).max(axis=0))
             heights.append(np.percentile(tubes[0][:, 2], [0, 50, 100]))
+            if self.how == "kind" and state.kinds.names != load(files[0], self.how)[0].kinds.names:
+                raise Unusable(f"{name}: of other kinds than {files[0]}")
             values = colours.values_of(self.how, state, tubes, self.natural)
             if values is not None and not limits:
                 ranges.append(colours.natural_range(self.how, values))
-        self.low, self.high = np.min(low, axis=0) - self.radius, np.max(high, axis=0) + self.radius
+        self.low, self.high = np.min(low, axis=0), np.max(high, axis=0)
+        self.thin, self.thick = min(radii), max(radii)
         # The paper lies below nearly everything, but not so deep that shadows no longer tell.
         bottom, usual, top = np.array(heights).T
         self.height = (bottom.min() + top.max()) / 2
-        self.floor = max(bottom.min(), usual.min() - 5 * self.radius) - self.radius
+        self.floor = max(bottom.min(), usual.min() - 5 * self.thick) - self.thick
         self.limits = limits or ((min(low for low, _ in ranges), max(high for _, high in ranges)) if ranges else None)
 
     def colours_of(self, name: str) -> colours.Colours:
@@ -102,15 +119,16 @@ class Stage:
 
     def draw(self, name: str, tint: colours.Colours, layout: Layout) -> Array:
         """The panel of one file."""
-        _, (position, first, second, torn) = load(name, self.how)
+        state, (position, first, second, torn) = load(name, self.how)
         pixel = self.pixel(layout)
         # Thin tubes need more samples, or a weave dissolves into stripes.
-        sampling = int(np.clip(np.ceil(2.2 * pixel / self.radius), 2, 4))
+        sampling = int(np.clip(np.ceil(2.2 * pixel / self.thin), 2, 4))
         fine = sampling / pixel
         # Tubes that would be thinner than a pixel are thickened; for the eye of the camera alone
-        # they are moved apart as much, so that what lies above stays above.
-        thick = max(self.radius * fine, THINNEST * sampling)
-        lift = (thick - self.radius * fine) / self.radius * self.eye[2, 2]
+        # all are moved apart as much as the thinnest need it, so that what lies above stays above.
+        radius = np.maximum(self.radius(state) * fine, THINNEST * sampling)
+        thin, thick = (max(one * fine, THINNEST * sampling) for one in (self.thin, self.thick))
+        lift = (thin - self.thin * fine) / self.thin * self.eye[2, 2]
         shift = np.array([layout.width, layout.height, 0]) * sampling / 2 - self.middle * fine
         seen = position @ self.eye.T * fine + shift
         seen[:, 2] += lift * (position[:, 2] - self.floor)
@@ -119,18 +137,19 @@ class Stage:
         a = seen[first] + along * torn[0, first, None]
         b = seen[second] - along * torn[1, second, None]
         tangent = tangents(seen, first, second)
-        radius, albedo = np.full(len(a), thick), light.linear(tint.tubes)
+        wide, albedo = radius[first], light.linear(tint.tubes)
         if self.marked:
             # What crosses above must not hide the marks.
+            rows = np.concatenate([first[torn[0, first]], second[torn[1, second]]])
             ends = np.concatenate([a[torn[0, first]], b[torn[1, second]]]) + [0, 0, 4 * thick]
             a, b = np.concatenate([a, ends]), np.concatenate([b, ends])
             flat = np.zeros((len(ends), 3), np.float32)
             tangent = (np.concatenate([tangent[0], flat]), np.concatenate([tangent[1], flat]))
-            radius = np.append(radius, np.full(len(ends), max(1.3 * thick, 2.6 * sampling)))
+            wide = np.append(wide, np.maximum(1.3 * radius[rows], 2.6 * sampling))
             albedo = np.concatenate([albedo, light.linear(np.tile(to_rgb(colours.BREAK), (len(ends), 1)))])
         level, tilt = self.ground(fine, shift, seen)
-        scene = light.Scene(a, b, tangent, radius, albedo, light.linear(to_rgb(self.paper)),
-                            thick, level, tilt)
+        scene = light.Scene(a, b, tangent, wide, albedo, light.linear(to_rgb(self.paper)),
+                            (thin, thick), level, tilt)
         return light.draw(scene, layout.width, layout.height, sampling)
 
     def look(self, layout: Layout) -> Look:

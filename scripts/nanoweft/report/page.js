@@ -44,6 +44,8 @@
     constructor(data) {
       Object.assign(this, data);
       this.group = bytes(data.group);
+      this.kind = data.kind ? bytes(data.kind) : new Uint8Array(this.count);
+      this.thickest = Math.max(...this.radii);
       this.fibre = new Int32Array(this.count);
       this.next = new Int32Array(this.count).fill(-1);
       this.before = new Int32Array(this.count).fill(-1);
@@ -89,12 +91,13 @@
   }
 
   const all = given.series.map((data) => new Series(data));
-  const state = { series: 0, frame: 0, colour: 'fibre', playing: false };
+  const state = { series: 0, frame: 0, colour: '', playing: false };
 
   // ---------------------------------------------------------------- colours
 
   function choices(series) {
     const list = [['fibre', 'fibre'], ['height', 'height'], ['broken', 'broken fibres']];
+    if (series.kinds.length > 1) list.unshift(['kind', 'kind']);
     if (series.groups.length > 1) list.push(['group', 'group']);
     return list.concat(series.fields.map((f) => [f.name, f.title]));
   }
@@ -113,6 +116,13 @@
     }
     return `<div>${title}</div><div class="bar" style="background:linear-gradient(90deg,${stops})"></div>
       <div class="ticks"><span>${unitText(low)}</span><span>${unitText((low + high) / 2)}</span><span>${unitText(high)}</span></div>`;
+  }
+
+  // A name of a file's as it stands in HTML.
+  function text(name) {
+    const element = document.createElement('i');
+    element.textContent = name;
+    return element.innerHTML;
   }
 
   function chips(list) {
@@ -152,12 +162,21 @@
       for (let i = 0; i < series.count; i++) out.set(hurt.has(series.fibre[i]) ? torn : whole, 3 * i);
       return [out, chips([['whole fibres', given.maps.whole], ['broken fibres', given.maps.hurt]])];
     }
+    // Neighbours in the list, often neighbours in space, differ in lightness.
+    const shade = (i, colour, by) => {
+      const factor = 1 - 0.5 * by + by * ((series.fibre[i] * 0.618034) % 1);
+      for (let c = 0; c < 3; c++) out[3 * i + c] = Math.min(255, colour[c] * factor);
+    };
+    if (name === 'kind') {
+      const palette = series.kinds.map((_, k) => maps.kinds[k % maps.kinds.length]);
+      const parts = palette.map(rgb);
+      for (let i = 0; i < series.count; i++) shade(i, parts[series.kind[i]], 0.16);
+      return [out, chips(series.kinds.map((kind, k) => [text(kind), palette[k]]))];
+    }
     const map = ramp(maps.fibres), n = series.runs.length;
     for (let i = 0; i < series.count; i++) {
-      const fibre = series.fibre[i], k = Math.round(((fibre + 0.5) / n) * 255);
-      // Neighbours in the list, often neighbours in space, differ in lightness.
-      const shade = 0.86 + 0.28 * ((fibre * 0.618034) % 1);
-      for (let c = 0; c < 3; c++) out[3 * i + c] = Math.min(255, map[3 * k + c] * shade);
+      const k = Math.round(((series.fibre[i] + 0.5) / n) * 255);
+      shade(i, map.subarray(3 * k, 3 * k + 3), 0.28);
     }
     return [out, `<div class="muted">${n} fibres, a colour each</div>`];
   }
@@ -183,8 +202,7 @@
       gl_FragColor = vec4(colour, 1.0);
     }`;
   const TUBE = `
-    attribute vec3 a, b, ta, tb, ca, cb;
-    uniform float radius;
+    attribute vec3 a, b, ta, tb, ca, cb; attribute float radius;
     varying vec3 vNormal; varying vec3 vPlace; varying vec3 vColour;
     void main() {
       float end = position.y;  // 0 at a, 1 at b
@@ -198,11 +216,10 @@
       gl_Position = projectionMatrix * place;
     }`;
   const CAP = `
-    attribute vec3 a, ca; attribute float size;
-    uniform float radius;
+    attribute vec3 a, ca; attribute float radius;
     varying vec3 vNormal; varying vec3 vPlace; varying vec3 vColour;
     void main() {
-      vec4 place = modelViewMatrix * vec4(a + radius * size * position, 1.0);
+      vec4 place = modelViewMatrix * vec4(a + radius * position, 1.0);
       vNormal = normalMatrix * position; vPlace = place.xyz; vColour = ca;
       gl_Position = projectionMatrix * place;
     }`;
@@ -210,17 +227,19 @@
   class Tubes {
     constructor(series, scene) {
       this.series = series;
-      const sides = series.count > 60000 ? 6 : series.count > 15000 ? 8 : 14;
-      this.uniforms = { radius: { value: series.radius }, haze: { value: new THREE.Color() },
-        nearest: { value: 0 }, farthest: { value: 1 } };
+      // Among many thin tubes a thick one still has to look round.
+      const least = series.thickest > 2 * Math.min(...series.radii) ? 12 : 6;
+      const sides = Math.max(least, series.count > 60000 ? 6 : series.count > 15000 ? 8 : 14);
+      this.uniforms = { haze: { value: new THREE.Color() }, nearest: { value: 0 },
+        farthest: { value: 1 } };
       const material = (vertexShader) => new THREE.ShaderMaterial(
         { vertexShader, fragmentShader: SHADING, uniforms: this.uniforms });
       const cylinder = new THREE.CylinderBufferGeometry(1, 1, 1, sides, 1, true);
       cylinder.translate(0, 0.5, 0);
       this.tube = this.mesh(cylinder, material(TUBE), series.count,
-        { a: 3, b: 3, ta: 3, tb: 3 }, { ca: 3, cb: 3 });
+        { a: 3, b: 3, ta: 3, tb: 3, radius: 1 }, { ca: 3, cb: 3 });
       this.cap = this.mesh(new THREE.SphereBufferGeometry(1, sides, Math.max(4, sides / 2)), material(CAP),
-        2 * series.count, { a: 3, size: 1 }, { ca: 3 });
+        2 * series.count, { a: 3, radius: 1 }, { ca: 3 });
       scene.add(this.tube, this.cap);
     }
 
@@ -271,7 +290,7 @@
       let n = 0, m = 0;
       const end = (place, i, torn) => {
         cap.a.array.set(place, 3 * m);
-        cap.size.array[m] = torn && marks ? 1.35 : 1;
+        cap.radius.array[m] = s.radii[s.kind[i]] * (torn && marks ? 1.35 : 1);
         if (torn && marks) cap.ca.array.set([232, 66, 28], 3 * m);
         else cap.ca.array.set(colour.subarray(3 * i, 3 * i + 3), 3 * m);
         m++;
@@ -288,6 +307,7 @@
         // A torn end is shorter, so that the gap is seen from the first moment on.
         if (tornBefore(i)) for (let c = 0; c < 3; c++) a[c] += 0.45 * (q[c] - p[c]);
         if (gap[j]) for (let c = 0; c < 3; c++) b[c] -= 0.45 * (q[c] - p[c]);
+        at.radius.array[n] = s.radii[s.kind[i]];
         at.a.array.set(a, 3 * n);
         at.b.array.set(b, 3 * n);
         at.ta.array.set(t.subarray(3 * i, 3 * i + 3), 3 * n);
@@ -526,7 +546,7 @@
       return [list[Math.floor(0.01 * (list.length - 1))], list[Math.ceil(0.99 * (list.length - 1))]];
     });
     const size = range.map(([low, high]) => high - low);
-    return [range.map(([low, high]) => (low + high) / 2), 0.5 * Math.hypot(...size) * 0.72 + 2 * series.radius];
+    return [range.map(([low, high]) => (low + high) / 2), 0.5 * Math.hypot(...size) * 0.72 + 2 * series.thickest];
   }
 
   class Page {
@@ -570,7 +590,7 @@
       $('series').value = String(k);
       $('slider').max = String(s.frames.length - 1);
       const list = choices(s);
-      if (!list.some(([name]) => name === state.colour)) state.colour = 'fibre';
+      if (!list.some(([name]) => name === state.colour)) state.colour = list[0][0];
       $('colour').innerHTML = list.map(([name, title]) => `<option value="${name}">${title.split(',')[0]}</option>`).join('');
       $('colour').value = state.colour;
       this.orbit.fit(...middle(s));

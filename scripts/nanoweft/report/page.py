@@ -22,7 +22,7 @@ from ..problems import Unusable
 from ..tables import Table
 from ..units import time_text
 from . import scene
-from .folder import Folder, Series
+from .folder import Folder
 
 HERE = pathlib.Path(__file__).parent
 THREE = ("/usr/share/javascript/three/build/three.min.js",
@@ -143,6 +143,8 @@ def summary(folder: Folder, data: list[dict[str, Any]]) -> list[str]:
         fibres = len(one["runs"])
         if not words:
             words = [f"{one['total']:,} segments", f"{fibres:,} fibres"]
+            if len(one["kinds"]) > 1:
+                words.append(f"{len(one['kinds'])} kinds: {', '.join(one['kinds'])}")
     times = [(header.time, header.units) for header in folder.headers]
     if times:
         words.append("to " + time_text(*max(times)))
@@ -151,26 +153,20 @@ def summary(folder: Folder, data: list[dict[str, Any]]) -> list[str]:
     return words
 
 
-def radius_of(series: Series, given: float | None) -> float:
-    """Of the fibres: as asked for, as the run's options say, else of a (10,10) tube."""
-    if given:
-        return given
-    match = re.search(r"^-fibre_radius (\S+)", series.frames[-1].run.get("options", ""), re.M)
-    return float(match[1]) if match else 6.78
-
-
 def colour_maps() -> dict[str, Any]:
     """Maps for a light and a dark ground: fibres, signed numbers, numbers of one sign, groups, broken."""
     def steps(cmap: Any) -> list[str]:
         return [to_hex(cmap(x)) for x in np.linspace(0, 1, 33)]
-    return {name: {"fibres": steps(p.fibres), "diverging": steps(p.diverging), "sequential": steps(p.sequential)}
+    return {name: {"fibres": steps(p.fibres), "diverging": steps(p.diverging),
+                   "sequential": steps(p.sequential), "kinds": p.kinds}
             for name, p in (("light", colours.WHITE), ("dark", colours.BLACK))} | {
         "groups": colours.GROUPS, "whole": colours.WHOLE, "hurt": colours.TORN}
 
 
-def write(folder: Folder, output: pathlib.Path, radius: float | None,
+def write(folder: Folder, output: pathlib.Path, radii: tuple[float, ...] = (),
           largest: float = LARGEST) -> None:
-    """Makes the page; Unusable where there is nothing to show."""
+    """Makes the page; radii: for all fibres or for each kind, where the files' own are not wanted.
+    Unusable where there is nothing to show."""
     if not (folder.series or folder.tables or folder.pictures):
         raise Unusable(f"{folder.path}: no state, table or picture of a run")
     script = three() if folder.series else ""
@@ -179,7 +175,7 @@ def write(folder: Folder, output: pathlib.Path, radius: float | None,
              svg in all_plots(folder)]
     used = len(script) + sum(map(len, pictures)) + sum(len(svg.encode()) for svg in drawn)
     budget = max(1e5, 0.9 * largest - used) / max(1, len(folder.series))
-    data = [scene.series_data(series, budget, radius_of(series, radius)) for series in folder.series]
+    data = [scene.series_data(series, budget, radii) for series in folder.series]
     notes = [f"The 3-D view of {one['name']} shows {one['note']}, so that this file stays small."
              for one in data if one["note"]] + left_out + [f"Left out: {why}." for why in folder.unusable]
     payload = json.dumps({"series": data, "maps": colour_maps()},

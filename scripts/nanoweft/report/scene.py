@@ -22,6 +22,7 @@ SKIPPED = {"fibre", "index", "image", "group", "bond_broken", "position", "orien
            "lines"}
 WANTED = ("strain", "stretch_energy", "shear_energy", "bending_energy", "torsion_energy",
           "pair_energy", "velocity")
+RADIUS = {"nano": 6.78, "si": 6.78e-10}  # of a (10,10) tube, where files do not tell theirs
 
 
 @dataclass
@@ -109,10 +110,10 @@ def limits(columns: list[Array]) -> tuple[float, float]:
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
-def series_data(series: Series, budget: float, radius: float) -> dict[str, Any]:
+def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict[str, Any]:
     """What the page's script needs to draw a series."""
     chosen = thin(series, budget)
-    wanted = ("position", "fibre", "index", "image", "group", "bond_broken")
+    wanted = ("position", "fibre", "index", "image", "group", "bond_broken", "kind")
     first = states.read(chosen.frames[0].file, wanted)
     rows = kept_rows(first, chosen.stride)
     positions, torn, columns = [], [], {}  # type: list[Array], list[Array], dict[str, list[Array]]
@@ -132,15 +133,27 @@ def series_data(series: Series, budget: float, radius: float) -> dict[str, Any]:
     runs, closed = fibre_runs(first, rows)
     masks, group = np.unique(first["group"][rows], return_inverse=True)
     unit, size = length_unit(float(span.max()), first.units)
+    several = len(first.kinds) > 1
     return {
         "name": series.name, "count": len(rows), "total": len(first), "runs": runs,
         "closed": closed,
-        "low": low.tolist(), "span": span.tolist(), "radius": radius, "lengthUnit": [unit, size],
+        "low": low.tolist(), "span": span.tolist(), "lengthUnit": [unit, size],
+        "kinds": list(first.kinds.names), "radii": radii_of(first, radii),
+        "kind": encoded(first["kind"][rows].astype(np.uint8)) if several else "",
         "box": [first.lower.tolist(), first.upper.tolist(), first.periodic.astype(int).tolist()],
         "groups": [int(mask) for mask in masks], "group": encoded(group.astype(np.uint8)),
         "frames": [frame_data(chosen.frames[k], positions[k], torn[k], low, span)
                    for k in range(len(chosen.frames))],
         "fields": fields, "note": chosen.note, "curve": curve(series)}
+
+
+def radii_of(state: State, given: tuple[float, ...]) -> list[float]:
+    """Of the kinds, in the state's unit of length."""
+    try:
+        radii = state.kinds.thickness(given, RADIUS.get(state.units, RADIUS["nano"]))
+    except Unusable as problem:
+        raise Unusable(f"--radius: {problem}") from None
+    return [float(radius) for radius in radii]
 
 
 def frame_data(frame: Header, position: Array, torn: Array, low: Array,
