@@ -4,69 +4,29 @@
 #include <vector>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/fibre/presets.hpp"
 
 namespace nanoweft {
 
 using std::numbers::pi;
 
 double Fibre::crossSection() const {
-  return wall > 0 ? 2.0 * pi * wall * radius : pi * radius * radius;
+  return wall > 0 ? 2.0 * pi * wall * middleRadius() : pi * radius * radius;
 }
 
 double Fibre::secondMoment() const {
-  const double r2 = radius * radius;
-  return wall > 0 ? pi * wall * radius * (r2 + 0.25 * wall * wall) : 0.25 * pi * r2 * r2;
+  const double r = middleRadius(), r2 = r * r;
+  return wall > 0 ? pi * wall * r * (r2 + 0.25 * wall * wall) : 0.25 * pi * r2 * r2;
 }
 
 void Fibre::derive() {
   const double bend = bendingRigidity() / length, twist = torsionalRigidity() / length;
-  inertia = (wall > 0 ? 1.0 : 0.5) * mass * radius * radius;
+  inertia = middle > 0 ? mass * (middle * middle + 0.25 * wall * wall)
+                       : (wall > 0 ? 1.0 : 0.5) * mass * radius * radius;
   bond = {length, young * crossSection() / length, 12.0 * bend, -2.0 * bend - 0.5 * twist, twist};
 }
 
-Fibre cnt1010(const UnitSystem& units) {
-  Fibre f;
-  f.preset = "cnt_10_10";
-  f.radius = 6.78 * units.angstrom;
-  f.wall = 3.35 * units.angstrom;
-  f.length = 13.56 * units.angstrom;
-  f.young = 1029.0 * units.gigapascal;
-  f.shear = 459.0 * units.gigapascal;
-  f.mass = 2649.0 * units.amu;
-  f.law = "vdw";
-  f.sheet = 17.1 * units.angstrom;
-  f.step = 20e-15 / units.secondsPerTime;
-  f.strength.length = f.length;
-  f.derive();
-  return f;
-}
-
 namespace {
-
-/// A PAN-based carbon fibre such as T300: solid, 7 um thick, 230 GPa, 1760 kg/m^3, breaks at 1.5 %
-/// (the maker's data sheet, Toray CFA-001). Shear modulus along the axis 15 GPa, Young's modulus
-/// across it 15 GPa, and Poisson's ratio there E/(2 G) - 1 with G = 7 GPa: Soden, Hinton and
-/// Kaddour, Composites Science and Technology 58, 1011 (1998). Strength by Weibull's law, as is
-/// usual for fibres of this kind. Its shape 5 is typical, and the gage of 25 mm is a choice: the
-/// data sheet names none for its strain.
-Fibre carbonT300(const UnitSystem& units) {
-  const double metre = units.name == "si" ? 1.0 : 1e10;
-  Fibre f;
-  f.preset = "carbon_t300";
-  f.radius = 3.5e-6 * metre;
-  f.wall = 0;
-  f.length = 2.0 * f.radius;
-  f.young = 230.0 * units.gigapascal;
-  f.shear = 15.0 * units.gigapascal;
-  const double kilograms = 1760.0 * pi * 3.5e-6 * 3.5e-6 * 7e-6;
-  f.mass = units.name == "si" ? kilograms : kilograms / codata::atomicMass * units.mass;
-  f.law = "hertz";
-  f.transverse = 15.0 * units.gigapascal;
-  f.poisson = 15.0 / (2.0 * 7.0) - 1.0;
-  f.strength = {true, 0.015, 0.0025, 5, 0.015, 0.025 * metre};
-  f.derive();
-  return f;
-}
 
 std::vector<double> whatTheStepDependsOn(const Fibre& f) {
   return {f.radius,       f.length,     f.mass,         f.inertia,
@@ -138,11 +98,14 @@ void readRestShape(OptionSection& s, const UnitSystem& units, Fibre& f) {
 
 Fibre readFibre(Options& options, const UnitSystem& units) {
   OptionSection s(options, "Fibre");
-  const std::string name = s.choice("fibre_preset", "cnt_10_10", {"cnt_10_10", "carbon_t300"},
-                                    "material and cross-section to start from");
-  const Fibre preset = name == "carbon_t300" ? carbonT300(units) : cnt1010(units);
+  const std::string help = "material and cross-section to start from: " + presetNames();
+  const Fibre preset = presetFibre(s.text("fibre_preset", "cnt_10_10", help.c_str()), units);
   Fibre f = preset;
   readSection(s, units, f);
+  if (preset.middle > 0 && (f.radius != preset.radius || f.wall != preset.wall))
+    throw InputError(
+        format("%s: the radii of a tube with a thick wall are in its name, mwcnt_OUTER_INNER",
+               f.radius != preset.radius ? "-fibre_radius" : "-fibre_wall"));
   readSegment(s, units, preset, f);
   f.derive();
   if (auto inertia = s.maybeReal("fibre_segment_inertia", "m rf^2 (tube), m rf^2/2 (solid)",

@@ -11,6 +11,7 @@
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/bond.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/presets.hpp"
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/force/pair_list.hpp"

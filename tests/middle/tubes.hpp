@@ -9,6 +9,7 @@
 
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/domain/domain.hpp"
+#include "nanoweft/fibre/presets.hpp"
 #include "nanoweft/force/force_field.hpp"
 #include "nanoweft/motion/boundary.hpp"
 #include "nanoweft/motion/system.hpp"

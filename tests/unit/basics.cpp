@@ -10,6 +10,7 @@
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/presets.hpp"
 #include "nanoweft/force/bond_list.hpp"
 #include "nanoweft/state/box.hpp"
 

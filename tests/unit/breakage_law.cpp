@@ -10,6 +10,7 @@
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/fibre/breakage_law.hpp"
+#include "nanoweft/fibre/presets.hpp"
 
 namespace nanoweft::test {
 namespace {

@@ -9,6 +9,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/presets.hpp"
 #include "nanoweft/force/hertz.hpp"
 #include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/force/quadrature.hpp"
@@ -74,6 +75,33 @@ TEST(Fibre, AnotherCrossSectionNeedsAMassOrADensity) {
     EXPECT_NE(said.find("-fibre_density 1760 "), std::string::npos) << said;
     EXPECT_NE(said.find("-fibre_segment_mass 1.3823e-12 "), std::string::npos) << said;
   }
+  petsc(PetscOptionsClear(nullptr));
+}
+
+TEST(Fibre, AThickTubeIsDescribedByItsName) {
+  const std::string preset = "-fibre_preset mwcnt_50_20 ";
+  const Fibre tube = fibreOf(preset, nanoUnits());
+  EXPECT_EQ(tube.radius, 50);
+  EXPECT_NEAR(tube.crossSection(), 2 * pi * 35 * 33.35, 1e-10);
+  for (const char* text : {"-fibre_radius 60", "-fibre_wall 10", "-fibre_wall 0"}) {
+    try {
+      fibreOf(preset + text + " -fibre_density 2000", nanoUnits());
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("mwcnt_OUTER_INNER"), std::string::npos) << text;
+    }
+  }
+  EXPECT_EQ(fibreOf(preset + "-fibre_radius 50", nanoUnits()).mass, tube.mass);
+  const Fibre light = fibreOf(preset + "-fibre_density 1000", nanoUnits());
+  EXPECT_NEAR(light.density() / nanoUnits().kilogramPerCubicMetre, 1000, 1e-9);
+  const Fibre half = fibreOf(preset + "-fibre_segment_length 50", nanoUnits());
+  EXPECT_NEAR(half.mass / tube.mass, 0.5, 1e-14);
+  EXPECT_NEAR(half.inertia / tube.inertia, 0.5, 1e-14);
+  petsc(PetscOptionsClear(nullptr));
+}
+
+TEST(Fibre, AnUnknownPresetIsRefused) {
+  EXPECT_THROW(fibreOf("-fibre_preset carbon_t1000", nanoUnits()), InputError);
   petsc(PetscOptionsClear(nullptr));
 }
 

@@ -10,6 +10,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
+#include "nanoweft/fibre/presets.hpp"
 #include "nanoweft/force/pair_forces.hpp"
 
 namespace nanoweft::test {

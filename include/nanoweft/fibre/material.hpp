@@ -23,8 +23,9 @@ struct Strength {
 
 /// One kind of fibre, in internal units.
 struct Fibre {
-  double radius = 0;   ///< rf
-  double wall = 0;     ///< h of a thin-walled tube; 0: a solid round fibre
+  double radius = 0;   ///< rf, which is where others touch it
+  double wall = 0;     ///< h of a tube; 0: a solid round fibre
+  double middle = 0;   ///< radius of the middle surface of a tube's thick wall; 0: rf
   double young = 0;    ///< E
   double shear = 0;    ///< G
   double mass = 0;     ///< of a segment
@@ -50,6 +51,7 @@ struct Fibre {
   /// Rotation from a segment's frame to its successor's at rest, as a rotation vector.
   Vec3d restRotation() const { return length * rest; }
   double diameter() const { return 2.0 * radius; }
+  double middleRadius() const { return middle > 0 ? middle : radius; }
   double density() const { return mass / (crossSection() * length); }
   double crossSection() const;                                               ///< S
   double secondMoment() const;                                               ///< J
@@ -60,12 +62,9 @@ struct Fibre {
   void derive();
 };
 
-/// The (10,10) carbon nanotube of the paper's Table 1 (rf 6.78 A, wall 3.35 A, T 13.56 A,
-/// 1029 GPa, 459 GPa, 2649 amu a segment) in the given units.
-Fibre cnt1010(const UnitSystem& units);
-
 /// Reads -fibre_preset and the single parameters that override it. Throws InputError when the
-/// cross-section is not the preset's and neither mass nor density says what it weighs.
+/// cross-section is not the preset's and neither mass nor density says what it weighs, or when the
+/// preset is a thick tube, whose name has the radii.
 Fibre readFibre(Options& options, const UnitSystem& units);
 
 }  // namespace nanoweft
