@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/domain/link_moves.hpp"
 
 namespace nanoweft {
 
@@ -39,7 +40,11 @@ void Domain::rebuild(State& state, double range, double cell, const std::vector<
   for (double reach = cell;; reach *= 1.5) {
     state.dropGhosts();
     layGrid(state, reach, work, anew && !metis_);
-    if (state.ranks() > 1) state.migrate(partitioner_->assign(state, *grid_, work, anew));
+    if (state.ranks() > 1) {
+      const std::vector<int> destination = partitioner_->assign(state, *grid_, work, anew);
+      if (state.linked) moveLinks(state, destination);
+      state.migrate(destination);
+    }
     anew = false;
     state.permute(CellIndex(state, *grid_, state.owned()).order);
     halo_.build(state, *grid_, range);
@@ -91,6 +96,9 @@ bool Domain::findPartners(const State& state) {
   for (int i = 0; i < state.owned(); ++i)
     for (const Tie& tie : state.ties(i))
       if (partner(state, i, tie) < 0) return false;
+  for (const Link& link : state.links)
+    for (const std::int64_t row : link.row)
+      if (local_.at(row) < 0) return false;
   return true;
 }
 

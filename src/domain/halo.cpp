@@ -110,9 +110,14 @@ class NearOwn {
     for (int i = 0; i < state.owned(); ++i)
       for (const Tie& tie : state.ties(i))
         lowest = std::min(lowest, tie.row), highest = std::max(highest, tie.row);
+    for (const Link& link : state.links)
+      for (const std::int64_t row : link.row)
+        lowest = std::min(lowest, row), highest = std::max(highest, row);
     IndexMap partners(static_cast<std::size_t>(state.owned()), lowest, highest);
     for (int i = 0; i < state.owned(); ++i)
       for (const Tie& tie : state.ties(i)) partners.insert(tie.row, i);
+    for (const Link& link : state.links)
+      for (const std::int64_t row : link.row) partners.insert(row, 0);
     return partners;
   }
 

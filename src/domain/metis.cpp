@@ -197,6 +197,11 @@ std::vector<int> MetisPartitioner::assign(const State& state, const CellGrid& gr
       if (const std::int64_t other = pieceOf(t.row, t.index, piece_); t.first && other != piece)
         edges.push_back(tie(piece, other, bondWeight));
   }
+  for (const Link& link : state.links) {
+    const std::int64_t a = pieceOf(link.row[0], link.index[0], piece_),
+                       b = pieceOf(link.row[1], link.index[1], piece_);
+    if (a != b) edges.push_back(tie(a, b, bondWeight));
+  }
   std::vector<Vertex> vertices;
   for (const auto& [piece, sum] : own) vertices.push_back({piece, sum});
   const auto allVertices = toFirst(state.comm(), std::move(vertices));

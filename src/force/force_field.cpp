@@ -41,6 +41,7 @@ ForceField::ForceField(Settings settings, const Box& box)
       lists_({settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin,
               settings_.threads},
              box),
+      links_(settings_.links, settings_.kinds),
       rebuildEvent_(logEvent("NwRebuild")),
       bondEvent_(logEvent("NwBonds")),
       pairEvent_(logEvent("NwPairs")),
@@ -52,6 +53,7 @@ void ForceField::rebuild(State& state, Domain& domain) {
   // here, since they become those of segments when this rank gets more.
   if (!sums_.empty()) std::fill(sums_.end() - std::ssize(shares()), sums_.end(), ForceSum{});
   lists_.rebuild(state, domain);
+  if (state.linked) links_.build(state, domain);
   if (settings_.pairs) {
     const ForceSum* before = sums_.data();
     sums_.resize(static_cast<std::size_t>(state.owned()) + shares().size());
@@ -154,6 +156,10 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   if (state.ranks() > 1) {
     const LogScope log(bondEvent_);
     onShares(threads, [&](std::size_t t) { addBonds(state, t, BondList::outer, tallies); });
+  }
+  if (state.linked) {
+    const LogScope log(bondEvent_);
+    links_.add(state, nearest_, request.energies, request.mayBreak, tallies.bonds[0]);
   }
   if (pairs) {
     const LogScope log(pairEvent_);

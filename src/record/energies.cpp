@@ -18,6 +18,8 @@ Energies sumEnergies(const State& state, const ForceField& forces, const ForceOu
     sums[6].add(halfInertia * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]), unit);
     brokenBonds += (state.bond[i] & nextBroken) != 0;
   }
+  for (std::size_t k = 0; k < state.links.size(); ++k)
+    brokenBonds += state.links[k].broken && forces.links().ends(k)[0] < state.owned();
   ExactSum::reduce(sums, 10, state.comm());
   MPI_Allreduce(MPI_IN_PLACE, &brokenBonds, 1, MPI_INT64_T, MPI_SUM, state.comm());
   Energies e;

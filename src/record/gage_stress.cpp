@@ -70,6 +70,13 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
       }
     }
   }
+  for (std::size_t k = 0; thread == 0 && k < state.links.size(); ++k) {
+    const auto [i, j] = forces.links().ends(k);
+    if (state.links[k].broken || i >= state.owned()) continue;
+    const auto link = forces.links().resolve(state, forces.nearest(), k);
+    if (const double part = gage.part(along(i), along(j)); part > 0)
+      sum.add(part, link.separation, link.force.force);
+  }
   forEachPair(state, forces, thread, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
     if (p.i < share.begin || p.i >= share.end) return;
     if (const double part = gage.part(along(p.i), along(p.j)); part > 0)

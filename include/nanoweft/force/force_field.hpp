@@ -6,6 +6,7 @@
 
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/force/link_forces.hpp"
 #include "nanoweft/force/list_keeper.hpp"
 
 namespace nanoweft {
@@ -31,6 +32,7 @@ class ForceField {
     PairForces pairs;
     Breakage breakage;
     ViscousDamping viscous;  ///< of lengths of 2 rf
+    LinkLaw links;
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;
   };
@@ -56,6 +58,7 @@ class ForceField {
   const std::vector<Share>& shares() const { return lists_.shares(); }
   const MinimumImage& nearest() const { return nearest_; }
   const Breakage& breakage() const { return settings_.breakage; }
+  const LinkForces& links() const { return links_; }
   const SumUnit& energyUnit() const { return energyUnit_; }
   bool viscous() const { return static_cast<bool>(settings_.viscous); }
   std::int64_t pairsResolved() const { return resolved_; }
@@ -76,6 +79,7 @@ class ForceField {
   MinimumImage nearest_;
   SumUnit energyUnit_;
   ListKeeper lists_;
+  LinkForces links_;
   std::vector<BondTally> followed_;  ///< what the threads of a ForcePass found in their bonds
   bool bondsKnown_ = false;          ///< a ForcePass has added the threads' own bonds already
   bool owed_ = false;                ///< pair forces wait in sums_ for a ForcePass

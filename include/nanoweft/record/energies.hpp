@@ -12,7 +12,7 @@ namespace nanoweft {
 struct Energies {
   double stretch = 0, shear = 0, bending = 0, torsion = 0, pair = 0, kinetic = 0, rotational = 0;
   double damped = 0, external = 0, broken = 0;  ///< accumulated since the start
-  std::int64_t brokenBonds = 0;
+  std::int64_t brokenBonds = 0;  ///< and links; their energies are among those of bonds, too
 
   double elastic() const { return stretch + shear + bending + torsion; }
   double total() const { return elastic() + pair + kinetic + rotational; }

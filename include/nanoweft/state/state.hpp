@@ -12,6 +12,7 @@
 #include "nanoweft/base/vec.hpp"
 #include "nanoweft/state/box.hpp"
 #include "nanoweft/state/fields.hpp"
+#include "nanoweft/state/links.hpp"
 #include "nanoweft/state/ties.hpp"
 
 namespace nanoweft {
@@ -86,6 +87,8 @@ class State : public SegmentFields {
   std::vector<std::string> kinds{""};  ///< names of the kinds of segments; one empty name: one kind
   std::int64_t step = 0;
   double time = 0;
+  bool linked = false;  ///< some rank has links
+  Links links;
 
  private:
   void acquire();
