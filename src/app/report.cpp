@@ -107,6 +107,21 @@ void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
               static_cast<unsigned long long>(law.seed));
 }
 
+void printLinks(MPI_Comm comm, const State& state, const LinkLaw& law, const UnitSystem& units) {
+  // Links of two ranks are held by both.
+  std::int64_t last = state.links.empty() ? -1 : state.links.back().id;
+  MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
+  const std::string strength =
+      (std::isinf(law.breakStrain) ? "" : format(", break at a strain of %g", law.breakStrain)) +
+      (std::isinf(law.breakForce) ? "" : format(", break at %g %s", law.breakForce, units.force));
+  const std::string text =
+      law.spring ? format("springs of %.5g %s/%s^2", law.bond.stretch, units.energy, units.length)
+                 : format("bonds with B1 %.5g, B2 %.5g, B3 %.5g, B4 %.5g", law.bond.stretch,
+                          law.bond.shear, law.bond.bending, law.bond.torsion);
+  PetscPrintf(comm, "  %lld links: %s%s\n", static_cast<long long>(last + 1), text.c_str(),
+              strength.c_str());
+}
+
 void printTeam(const RunParts& parts) {
   const int ranks = parts.state->ranks(), threads = parts.team.given;
   PetscPrintf(parts.plan->comm, "nanoweft %s: %d rank%s x %d thread%s, %s\n", NANOWEFT_VERSION,
@@ -177,6 +192,7 @@ void printHeader(const RunParts& parts, const Moment& start) {
   printPairForces(plan.comm, parts.forces->pairs(), plan.kinds, units);
   for (int k = 0; k < plan.kinds.count(); ++k)
     if (const auto& law = plan.breakage[k]) printBreakage(plan.comm, *law, plan.kinds[k], units);
+  if (parts.state->linked) printLinks(plan.comm, *parts.state, plan.links, units);
   if (tension) printTension(plan.comm, *tension, units);
   printStep(parts);
   if (plan.boundaries.tensionGoesOn())

@@ -42,6 +42,7 @@ void RunParts::makeForces() {
   force.kinds = plan->kinds;
   force.pairs = std::move(plan->pairs);
   force.breakage = plan->breakage;
+  force.links = plan->links;
   force.viscous = plan->settings.viscous;
   force.skin = plan->settings.skin;
   force.threads = team.asked;

@@ -30,6 +30,7 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
       scene(readScene(options,
                       {units, kinds, comm, [this](int a, int b) { return restDistance(a, b); }},
                       options.helpWanted() || checkpoint)),
+      links(readLinkLaw(options, units, kinds, linked() || options.helpWanted())),
       boundaries(options, units, kinds, restDistance(0, 0)),
       observers(makeObservers(options, {settings, units, boundaries})) {
   readBox(options);
@@ -40,6 +41,11 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
   stepIsNew = seeNewStep(options);
   requireDistinctOutputs();
   for (const auto& observer : observers) observer->check(outputContext(false));
+}
+
+bool RunPlan::linked() const {
+  const StateHeader* header = checkpoint ? &*checkpoint : scene ? scene->header() : nullptr;
+  return header && header->parts.contains("link");
 }
 
 double RunPlan::restDistance(int a, int b) const {

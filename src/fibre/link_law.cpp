@@ -4,20 +4,22 @@
 
 namespace nanoweft {
 
-LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds) {
+LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool linked) {
   const char* title = "Links (/link of a state file)";
-  OptionSection s(options, title);
+  const std::string none = "the state has no links (/link)";
+  OptionSection s(options, title, linked, none);
   LinkLaw law;
   law.bond = kinds[0].bond;
   law.spring = s.choice("link_law", "bond", {"bond", "spring"},
                         "an EVM bond, or a spring whose ends are free to turn") == "spring";
   const std::string perArea = std::string(units.energy) + "/" + units.length + "^2";
-  OptionSection spring(options, title, law.spring, "-link_law is bond");
+  OptionSection spring(options, title, linked && law.spring, linked ? "-link_law is bond" : none);
   law.bond.stretch = spring
                          .maybeReal("link_stretch", "B1 of the first kind", perArea.c_str(),
                                     "stiffness of a spring", positive)
                          .value_or(law.bond.stretch);
-  OptionSection bond(options, title, !law.spring, "-link_law is spring");
+  OptionSection bond(options, title, linked && !law.spring,
+                     linked ? "-link_law is spring" : none);
   const std::string unit = perArea + "," + units.energy + "," + units.energy + "," + units.energy;
   if (const auto b = bond.reals("link_stiffness", 4, "of the bonds of the first kind", unit.c_str(),
                                 "stiffnesses B1,B2,B3,B4 of an EVM link")) {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/state/link_file.hpp"
 #include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/state_file.hpp"
 #include "nanoweft/state/state_format.hpp"
@@ -126,6 +127,7 @@ CheckedState checkState(const std::string& file, Trust trust) {
   checkAttributes(state, complete);
   checkDatasets(state, complete);
   checkKinds(state);
+  if (state.hasLinks()) readLinkRows(state);
   return result;
 }
 

@@ -67,7 +67,7 @@ void DatasetWriter::sendRows(const char* rows, std::int64_t count, std::size_t r
   }
 }
 
-bool DatasetWriter::writeBytes(hid_t group, const char* name, Types types, int columns, bool matrix,
+bool DatasetWriter::writeBytes(hid_t group, const char* name, Types types, const Shape& row,
                                const char* rows, std::int64_t count) {
   int good = good_;
   MPI_Bcast(&good, 1, MPI_INT, 0, comm_);
@@ -75,13 +75,14 @@ bool DatasetWriter::writeBytes(hid_t group, const char* name, Types types, int c
   if (!good_) return false;
   std::vector<std::int64_t> counts(rank_ == 0 ? static_cast<std::size_t>(ranks_) : 0);
   MPI_Gather(&count, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, 0, comm_);
-  const std::size_t rowBytes = types.bytes * static_cast<std::size_t>(columns);
+  std::size_t rowBytes = types.bytes;
+  for (const hsize_t n : row) rowBytes *= static_cast<std::size_t>(n);
   if (rank_ != 0) return sendRows(rows, count, rowBytes), good_;
 
   std::int64_t total = 0;
   for (const std::int64_t c : counts) total += c;
   std::vector<hsize_t> shape{static_cast<hsize_t>(total)};
-  if (matrix) shape.push_back(static_cast<hsize_t>(columns));
+  shape.insert(shape.end(), row.begin(), row.end());
   Filling set(group, name, types.stored, types.memory, shape);
   good_ = set.valid();
   std::vector<char> block(static_cast<std::size_t>(std::min(total, blockRows)) * rowBytes), message;
@@ -110,7 +111,7 @@ bool DatasetWriter::writeBytes(hid_t group, const char* name, Types types, int c
 }
 
 template <class T>
-bool DatasetWriter::write(hid_t group, const char* name, int columns, bool matrix,
+bool DatasetWriter::write(hid_t group, const char* name, const Shape& shape,
                           const std::vector<T>& rows) {
   Types types{};
   if constexpr (std::is_same_v<T, double>)
@@ -123,14 +124,16 @@ bool DatasetWriter::write(hid_t group, const char* name, int columns, bool matri
     types = {H5T_STD_I32LE, H5T_NATIVE_INT32, sizeof(T)};
   else
     types = {H5T_STD_I8LE, H5T_NATIVE_INT8, sizeof(T)};
-  return writeBytes(group, name, types, columns, matrix, reinterpret_cast<const char*>(rows.data()),
+  std::int64_t columns = 1;
+  for (const hsize_t n : shape) columns *= static_cast<std::int64_t>(n);
+  return writeBytes(group, name, types, shape, reinterpret_cast<const char*>(rows.data()),
                     static_cast<std::int64_t>(rows.size()) / columns);
 }
 
-template bool DatasetWriter::write(hid_t, const char*, int, bool, const std::vector<double>&);
-template bool DatasetWriter::write(hid_t, const char*, int, bool, const std::vector<float>&);
-template bool DatasetWriter::write(hid_t, const char*, int, bool, const std::vector<std::int64_t>&);
-template bool DatasetWriter::write(hid_t, const char*, int, bool, const std::vector<std::int32_t>&);
-template bool DatasetWriter::write(hid_t, const char*, int, bool, const std::vector<std::int8_t>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<double>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<float>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<std::int64_t>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<std::int32_t>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<std::int8_t>&);
 
 }  // namespace nanoweft

@@ -41,7 +41,7 @@ OpenState::OpenState(const std::string& file) : name_(file) {
 }
 
 OpenState::~OpenState() {
-  segments_ = {}, record_ = {}, file_ = {};
+  segments_ = {}, record_ = {}, links_ = {}, file_ = {};
   ::close(open_.descriptor);
 }
 
@@ -60,12 +60,17 @@ void OpenState::openGroups() {
   if (state != h5::Found::group) refuse("/state is not a group of this file");
   if (run != h5::Found::nothing && run != h5::Found::group)
     refuse("/run is not a group of this file");
-  for (const char* future : {"link", "contact"})
-    if (h5::find(file_, future) != h5::Found::nothing)
-      refuse(std::string("it has /") + future + ", which this version of nanoweft does not know");
+  if (h5::find(file_, "contact") != h5::Found::nothing)
+    refuse("it has /contact, which this version of nanoweft does not know");
+  const h5::Found link = h5::find(file_, "link");
+  if (link != h5::Found::nothing && link != h5::Found::group)
+    refuse("/link is not a group of this file");
   segments_ = h5::Handle(H5Gopen2(file_, "state", H5P_DEFAULT), H5Gclose);
   if (!segments_.valid()) refuse("/state cannot be opened (" + h5::lastError() + ")");
   if (run == h5::Found::group) record_ = h5::Handle(H5Gopen2(file_, "run", H5P_DEFAULT), H5Gclose);
+  if (link == h5::Found::group) links_ = h5::Handle(H5Gopen2(file_, "link", H5P_DEFAULT), H5Gclose);
+  if (link == h5::Found::group && !links_.valid())
+    refuse("/link cannot be opened (" + h5::lastError() + ")");
   if (run == h5::Found::group && !record_.valid())
     refuse("/run cannot be opened (" + h5::lastError() + ")");
 }

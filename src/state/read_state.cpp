@@ -4,6 +4,7 @@
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
+#include "nanoweft/state/link_file.hpp"
 #include "nanoweft/state/memory.hpp"
 #include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/open_state.hpp"
@@ -104,6 +105,7 @@ StateHeader readHeader(const OpenState& file) {
     header.time = (*time)[0];
     header.parts.insert("time");
   }
+  if (file.hasLinks()) header.parts.insert("link");
   if (file.hasRecord()) header.run = readRecord(file);
   header.identity = file.identity();
   return header;
@@ -424,12 +426,14 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
   const RowBlock block(header.rows, state.rank(), state.ranks());
   requireMemory(comm, block.count);
   std::optional<RawRows> raw;
+  std::optional<LinkRows> links;
   agree<InputError>(comm, problemIn([&] {
                       OpenState file(name);
                       if (file.identity() != header.identity)
                         file.refuse("it was replaced while it was read");
                       file.openGroups();
                       raw.emplace(file, block);
+                      if (file.hasLinks()) links = readLinkRows(file);
                       state.addOwned(static_cast<int>(block.count));
                       readFields(file, block, *raw, state);
                     }));
@@ -449,6 +453,7 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
     state.setKind(static_cast<int>(k), numbers.of(raw->kind[k]));
   fill(state, header.box, *raw, chains);
   state.countTotal();
+  if (links) agreeOn(setLinks(state, *links));
   state.step = header.step;
   state.time = header.time;
 }

@@ -9,6 +9,7 @@
 #include "nanoweft/base/hdf5_driver.hpp"
 #include "nanoweft/base/output_file.hpp"
 #include "nanoweft/state/dataset_writer.hpp"
+#include "nanoweft/state/link_file.hpp"
 #include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/output_target.hpp"
 #include "nanoweft/state/state_file.hpp"
@@ -244,6 +245,7 @@ void writeState(const std::string& name, State& state, const UnitSystem& units,
       for (const SegmentField& field : what.fields)
         writer.write(fields, field.name, 1, ordered(field.values.data(), 1));
     }
+    writeLinks(writer, [&] { return file.group("link"); }, state);
     if (what.mesh) writeMesh(writer, file.group("mesh"), state.box, block.begin, rows);
   }
   file.publish(writer.good());

@@ -31,6 +31,23 @@ void setDataset(const std::string& file, const std::string& name, const std::vec
   signAgain(file);
 }
 
+void setLinks(const std::string& file, const std::vector<LinkEnds>& links) {
+  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  h5::Handle group(f.valid() ? H5Gcreate2(f, "link", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT) : -1,
+                   H5Gclose);
+  const hsize_t shape[3] = {links.size(), 2, 2};
+  h5::Handle space(H5Screate_simple(3, shape, nullptr), H5Sclose);
+  h5::Handle set(group.valid() ? H5Dcreate2(group, "segments", H5T_NATIVE_INT64, space, H5P_DEFAULT,
+                                            H5P_DEFAULT, H5P_DEFAULT)
+                               : -1,
+                 H5Dclose);
+  if (!set.valid() ||
+      H5Dwrite(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, links.data()) < 0)
+    throw std::runtime_error("cannot write /link");
+  set = {}, group = {}, f = {};
+  signAgain(file);
+}
+
 void signAgain(const std::string& file) {
   const int fd = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
   if (fd < 0) throw std::runtime_error("no file " + file);

@@ -1,6 +1,8 @@
 /// Changing a state file as an outsider would, before a run starts from it.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -12,6 +14,9 @@ namespace nanoweft::test {
 /// Sets /state/NAME (rows of `columns` numbers) of a state file, whether it has one or not.
 void setDataset(const std::string& file, const std::string& name, const std::vector<double>& values,
                 int columns);
+/// Gives the file a group /link: fibre and index of both ends of each link.
+using LinkEnds = std::array<std::int64_t, 4>;
+void setLinks(const std::string& file, const std::vector<LinkEnds>& links);
 /// Puts the digest of the changed file where nanoweft's was, so that it passes for nanoweft's own.
 /// A file that never had one stays as it is.
 void signAgain(const std::string& file);

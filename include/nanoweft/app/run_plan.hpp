@@ -10,6 +10,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/provenance.hpp"
 #include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/fibre/link_law.hpp"
 #include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/motion/boundary.hpp"
 #include "nanoweft/scene/scene.hpp"
@@ -29,6 +30,8 @@ struct RunPlan {
   double restDistance(int a, int b) const;
   /// Of the file that the state comes from, or null.
   const StateHeader* startHeader() const { return checkpoint ? &*checkpoint : scene->header(); }
+  /// Does the state that the run starts from have links?
+  bool linked() const;
   bool breaks() const { return breakage || (startHeader() && startHeader()->anyBroken); }
   bool minimises() const { return settings.stepper->minimises; }
   /// For a run whose first step is `step`: only the forces and energies of the start are wanted.
@@ -47,6 +50,7 @@ struct RunPlan {
   RunSettings settings;
   Breakage breakage;
   std::unique_ptr<Scene> scene;  ///< null in a restart
+  LinkLaw links;
   Boundaries boundaries;
   Observers observers;
   Box box;

@@ -17,7 +17,8 @@ struct LinkLaw {
          breakForce = std::numeric_limits<double>::infinity();
 };
 
-/// Reads -link_... Defaults are the bonds of the first kind.
-LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds);
+/// Reads -link_... Defaults are the bonds of the first kind. `linked`: the run has links; without
+/// them the options are refused.
+LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool linked);
 
 }  // namespace nanoweft

@@ -16,14 +16,16 @@ class DatasetWriter {
  public:
   explicit DatasetWriter(MPI_Comm comm);
 
-  /// Writes /GROUP/name of `columns` columns (`matrix`: with two dimensions) in rank 0's open
-  /// group. `rows`: those of this rank, which follow the ranks before. Collective. After a failure
-  /// of rank 0, and on all ranks, it does nothing any more and returns false.
+  /// Shape of a row: nothing for one number.
+  using Shape = std::vector<hsize_t>;
+  /// Writes /GROUP/name, whose rows have that shape, in rank 0's open group. `rows`: those of this
+  /// rank, which follow the ranks before. Collective. After a failure of rank 0, and on all ranks,
+  /// it does nothing any more and returns false.
   template <class T>
-  bool write(hid_t group, const char* name, int columns, bool matrix, const std::vector<T>& rows);
+  bool write(hid_t group, const char* name, const Shape& shape, const std::vector<T>& rows);
   template <class T>
   bool write(hid_t group, const char* name, int columns, const std::vector<T>& rows) {
-    return write(group, name, columns, columns > 1, rows);
+    return write(group, name, columns > 1 ? Shape{static_cast<hsize_t>(columns)} : Shape{}, rows);
   }
   /// For what rank 0 writes besides: its success counts for all at the next `write`.
   void note(bool success) { good_ = good_ && success; }
@@ -34,8 +36,8 @@ class DatasetWriter {
     hid_t stored, memory;
     std::size_t bytes;
   };
-  bool writeBytes(hid_t group, const char* name, Types types, int columns, bool matrix,
-                  const char* rows, std::int64_t count);
+  bool writeBytes(hid_t group, const char* name, Types types, const Shape& row, const char* rows,
+                  std::int64_t count);
   void sendRows(const char* rows, std::int64_t count, std::size_t rowBytes) const;
 
   MPI_Comm comm_;

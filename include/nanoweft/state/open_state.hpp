@@ -26,6 +26,9 @@ class OpenState {
   hid_t segments() const { return segments_; }  ///< /state
   hid_t record() const { return record_; }      ///< /run
   bool hasRecord() const { return record_.valid(); }
+  /// The group /link, which not every file has.
+  bool hasLinks() const { return links_.valid(); }
+  hid_t links() const { return links_; }
   FileIdentity identity() const { return FileIdentity::of(open_.descriptor); }
 
   /// "state file F cannot be used: reason" as InputError.
@@ -34,7 +37,7 @@ class OpenState {
  private:
   std::string name_;
   h5::OpenFile open_;
-  h5::Handle file_, segments_, record_;
+  h5::Handle file_, segments_, record_, links_;
 };
 
 // The datasets of /state that are not fields by their names.

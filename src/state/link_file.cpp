@@ -1,0 +1,235 @@
+#include "nanoweft/state/link_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// Reads a whole dataset whose rows have the shape `inner`; leaves `values` empty when it is not
+/// there.
+template <class T>
+void readWhole(const OpenState& file, const char* name, const std::vector<hsize_t>& inner,
+               hid_t memory, std::vector<T>& values) {
+  const hid_t group = file.links();
+  const std::string what = std::string("/link/") + name;
+  switch (h5::find(group, name)) {
+    case h5::Found::nothing:
+      return;
+    case h5::Found::dataset:
+      break;
+    default:
+      file.refuse(what + " is not a dataset");
+  }
+  const h5::Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+  const h5::Handle space(H5Dget_space(set), H5Sclose), type(H5Dget_type(set), H5Tclose);
+  const bool whole = std::is_integral_v<T>;
+  const H5T_class_t kind = H5Tget_class(type);
+  if (kind != H5T_INTEGER && (whole || kind != H5T_FLOAT))
+    file.refuse(what + (whole ? " must hold whole numbers" : " must hold numbers"));
+  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  if (shape.size() != inner.size() + 1 || !std::equal(inner.begin(), inner.end(), shape.begin() + 1)) {
+    std::string wanted = "[L";
+    for (const hsize_t n : inner) wanted += "," + std::to_string(n);
+    file.refuse(what + " must have the shape " + wanted + "]");
+  }
+  H5D_space_status_t status = H5D_SPACE_STATUS_NOT_ALLOCATED;
+  H5Dget_space_status(set, &status);
+  constexpr hsize_t most = 100000000;
+  if (shape[0] > most) file.refuse(what + " has more than 1e8 rows");
+  if (shape[0] > 0 && status == H5D_SPACE_STATUS_NOT_ALLOCATED)
+    file.refuse(what + " was never written");
+  hsize_t count = 1;
+  for (const hsize_t n : shape) count *= n;
+  values.resize(static_cast<std::size_t>(count));
+  if (H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    file.refuse(what + " cannot be read (" + h5::lastError() + ")");
+}
+
+std::string endOf(const LinkRows& rows, std::size_t k, std::size_t side) {
+  return format("link %zu: its end at fibre %lld, segment %lld", k,
+                static_cast<long long>(rows.segments[4 * k + 2 * side]),
+                static_cast<long long>(rows.segments[4 * k + 2 * side + 1]));
+}
+
+/// Where this rank's fibres begin, and the poses of segments by row.
+class OwnRows {
+ public:
+  explicit OwnRows(const State& state) : state_(state) {
+    for (int i = 0; i < state.owned(); ++i)
+      place_[key(state.fibre[i], state.chain[2 * i])] = i;
+  }
+  /// Local index of a segment of this rank, or -1.
+  int of(std::int64_t fibre, std::int64_t index) const {
+    const auto at = place_.find(key(fibre, index));
+    return at == place_.end() || state_.fibre[at->second] != fibre ||
+                   state_.chain[2 * at->second] != index
+               ? -1
+               : at->second;
+  }
+
+ private:
+  struct Hash {
+    std::size_t operator()(const std::pair<std::int64_t, std::int64_t>& k) const {
+      return std::hash<std::int64_t>()(k.first * 1000003 + k.second);
+    }
+  };
+  static std::pair<std::int64_t, std::int64_t> key(std::int64_t fibre, std::int64_t index) {
+    return {fibre, index};
+  }
+  const State& state_;
+  std::unordered_map<std::pair<std::int64_t, std::int64_t>, int, Hash> place_;
+};
+
+/// For each end of each link: its row (one more, so that 0 means unknown) and pose, on all ranks.
+struct Ends {
+  std::vector<std::int64_t> row;
+  std::vector<double> pose;
+
+  Ends(const State& state, const LinkRows& rows)
+      : row(2 * rows.count(), 0), pose(8 * row.size(), 0.0) {
+    const OwnRows own(state);
+    for (std::size_t e = 0; e < row.size(); ++e)
+      if (const int i = own.of(rows.segments[2 * e], rows.segments[2 * e + 1]); i >= 0) {
+        row[e] = state.row[i] + 1;
+        std::copy_n(state.pose + 8 * i, 8, &pose[8 * e]);
+      }
+    const auto n = static_cast<int>(row.size());
+    MPI_Allreduce(MPI_IN_PLACE, row.data(), n, MPI_INT64_T, MPI_SUM, state.comm());
+    MPI_Allreduce(MPI_IN_PLACE, pose.data(), 8 * n, MPI_DOUBLE, MPI_SUM, state.comm());
+  }
+  Vec3d position(std::size_t e) const { return {pose[8 * e], pose[8 * e + 1], pose[8 * e + 2]}; }
+  Quatd orientation(std::size_t e) const {
+    return {pose[8 * e + 4], pose[8 * e + 5], pose[8 * e + 6], pose[8 * e + 7]};
+  }
+};
+
+/// A frame whose first axis points along the unit vector t.
+Quatd frameAlong(const Vec3d& t) {
+  const Vec3d hint = std::abs(t.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
+  const Vec3d across = hint - dot(hint, t) * t;
+  const Vec3d e3 = (1.0 / norm(across)) * across;
+  return quaternionFromAxes(t, cross(e3, t), e3);
+}
+
+Quatd inverse(const Quatd& q) {
+  return {q.w, -q.x, -q.y, -q.z};
+}
+
+std::string problemOf(const LinkRows& rows, const Ends& ends, std::size_t k) {
+  for (std::size_t side = 0; side < 2; ++side)
+    if (ends.row[2 * k + side] == 0) return endOf(rows, k, side) + " is not in the file";
+  if (ends.row[2 * k] == ends.row[2 * k + 1])
+    return endOf(rows, k, 0) + " is at both its ends";
+  if (!rows.kind.empty() && rows.kind[k] != 0)
+    return format("link %zu: its kind is %d; there is one, 0", k, rows.kind[k]);
+  if (!rows.broken.empty() && rows.broken[k] != 0 && rows.broken[k] != 1)
+    return format("link %zu: its broken is %d; it must be 0 or 1", k, rows.broken[k]);
+  if (!rows.length.empty() && !(rows.length[k] > 0 && std::isfinite(rows.length[k])))
+    return format("link %zu: its rest_length is %g; it must be positive", k, rows.length[k]);
+  for (std::size_t side = 0; side < 2 && !rows.frame.empty(); ++side) {
+    const double* q = &rows.frame[8 * k + 4 * side];
+    const double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(std::abs(norm2 - 1.0) < 1e-9))
+      return format("link %zu: its rest_frame is no unit quaternion", k);
+  }
+  return "";
+}
+
+}  // namespace
+
+LinkRows readLinkRows(const OpenState& file) {
+  LinkRows rows;
+  readWhole(file, "segments", {2, 2}, H5T_NATIVE_INT64, rows.segments);
+  readWhole(file, "kind", {}, H5T_NATIVE_INT32, rows.kind);
+  readWhole(file, "broken", {}, H5T_NATIVE_INT8, rows.broken);
+  readWhole(file, "rest_length", {}, H5T_NATIVE_DOUBLE, rows.length);
+  readWhole(file, "rest_frame", {2, 4}, H5T_NATIVE_DOUBLE, rows.frame);
+  const std::size_t n = rows.count();
+  if (n == 0) file.refuse("/link has no dataset segments with links");
+  auto fits = [&](std::size_t size, std::size_t columns) { return size == 0 || size == columns * n; };
+  if (!fits(rows.kind.size(), 1) || !fits(rows.broken.size(), 1) || !fits(rows.length.size(), 1) ||
+      !fits(rows.frame.size(), 8))
+    file.refuse("the datasets of /link must have one length");
+  return rows;
+}
+
+std::string setLinks(State& state, const LinkRows& rows) {
+  const Ends ends(state, rows);
+  const MinimumImage nearest(state.box);
+  // The rows of this rank lie in one block.
+  const std::int64_t first = state.owned() > 0 ? state.row[0] : 0;
+  for (std::size_t k = 0; k < rows.count(); ++k) {
+    if (const std::string problem = problemOf(rows, ends, k); !problem.empty()) return problem;
+    Link link;
+    link.id = static_cast<std::int64_t>(k);
+    bool here = false;
+    for (std::size_t side = 0; side < 2; ++side) {
+      link.row[side] = ends.row[2 * k + side] - 1;
+      link.fibre[side] = rows.segments[4 * k + 2 * side];
+      link.index[side] = static_cast<std::int32_t>(rows.segments[4 * k + 2 * side + 1]);
+      here = here || (link.row[side] >= first && link.row[side] < first + state.owned());
+    }
+    if (!here) continue;
+    link.broken = rows.broken.empty() ? 0 : rows.broken[k];
+    const Vec3d chord = nearest(ends.position(2 * k + 1) - ends.position(2 * k));
+    link.length = rows.length.empty() ? norm(chord) : rows.length[k];
+    if (!(link.length > 0))
+      return format("link %zu: its ends are at one place; give rest_length", k);
+    const Quatd frame = frameAlong(norm(chord) > 0 ? (1.0 / norm(chord)) * chord : Vec3d{1, 0, 0});
+    for (std::size_t side = 0; side < 2; ++side) {
+      const double* q = rows.frame.empty() ? nullptr : &rows.frame[8 * k + 4 * side];
+      link.frame[side] = q ? Quatd{q[0], q[1], q[2], q[3]}
+                           : inverse(ends.orientation(2 * k + side)) * frame;
+    }
+    state.links.push_back(link);
+  }
+  state.linked = true;
+  return "";
+}
+
+void writeLinks(DatasetWriter& writer, const std::function<h5::Handle()>& group,
+                const State& state) {
+  if (!state.linked) return;
+  // The owner of the first end sends a link to rank 0, which writes them all in their order.
+  std::unordered_map<std::int64_t, bool> owned;
+  for (const Link& link : state.links) owned[link.row[0]] = false;
+  for (int i = 0; i < state.owned(); ++i)
+    if (const auto at = owned.find(state.row[i]); at != owned.end()) at->second = true;
+  Links mine;
+  for (const Link& link : state.links)
+    if (owned[link.row[0]]) mine.push_back(link);
+  const int bytes = static_cast<int>(mine.size() * sizeof(Link));
+  std::vector<int> counts(static_cast<std::size_t>(state.ranks())), places(counts.size());
+  MPI_Gather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, state.comm());
+  int total = 0;
+  for (std::size_t r = 0; r < counts.size(); ++r) places[r] = total, total += counts[r];
+  Links all(state.rank() == 0 ? static_cast<std::size_t>(total) / sizeof(Link) : 0);
+  MPI_Gatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), places.data(), MPI_BYTE, 0,
+              state.comm());
+  std::ranges::sort(all, {}, &Link::id);
+  LinkRows rows;
+  for (const Link& l : all) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      rows.segments.insert(rows.segments.end(), {l.fibre[side], std::int64_t{l.index[side]}});
+      const Quatd& q = l.frame[side];
+      rows.frame.insert(rows.frame.end(), {q.w, q.x, q.y, q.z});
+    }
+    rows.kind.push_back(l.kind);
+    rows.broken.push_back(static_cast<std::int8_t>(l.broken));
+    rows.length.push_back(l.length);
+  }
+  const h5::Handle links = group();
+  writer.write(links, "segments", {2, 2}, rows.segments);
+  writer.write(links, "kind", 1, rows.kind);
+  writer.write(links, "broken", 1, rows.broken);
+  writer.write(links, "rest_length", 1, rows.length);
+  writer.write(links, "rest_frame", {2, 4}, rows.frame);
+}
+
+}  // namespace nanoweft

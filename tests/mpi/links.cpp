@@ -1,0 +1,113 @@
+/// Links between segments: the same bytes on any ranks, threads and partitions, and over restarts.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "support/expect.hpp"
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+/// A weave of 8 fibres of 24 segments with 60 links all over it: near and far ones, several at one
+/// segment, some within a fibre.
+void makeLinked(const Folder& folder) {
+  const auto outcome = run(folder, "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 "
+                                   "-ts_max_steps 0 -state_output in.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  std::vector<LinkEnds> links;
+  for (std::int64_t k = 0; k < 50; ++k)
+    links.push_back({k % 8, (7 * k) % 24, (3 * k + 1) % 8, (11 * k + 5) % 24});
+  for (std::int64_t k = 0; k < 10; ++k) links.push_back({2, 12, k % 2 ? 2 : 5, 1 + 2 * k});
+  std::erase_if(links, [](const LinkEnds& l) { return l[0] == l[2] && l[1] == l[3]; });
+  setLinks(folder / "in.h5", links);
+}
+
+const std::string options =
+    "-scene file -scene_file in.h5 -scene_perturb 0.2 -damping_local 0.2 -progress_interval 0 "
+    "-link_stiffness 2,400,-80,30 -link_break_strain 0.01 ";
+const std::string outputs =
+    "-energy_monitor ascii:energy.csv -monitor_interval 50 -state_output out.h5 -state_forces "
+    "-overwrite ";
+
+TEST(Links, HaveTheSameBytesOnAnyRanksThreadsAndPartitions) {
+  const Folder folder;
+  makeLinked(folder);
+  auto outcome = run(folder, options + outputs + "-ts_max_steps 300", 1, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string state = readFile(folder / "out.h5"), table = readFile(folder / "energy.csv");
+  const auto broken = readDataset(folder / "out.h5", "/link/broken");
+  const auto count = std::count(broken.begin(), broken.end(), 1.0);
+  EXPECT_GT(count, 3) << "too few links have broken";
+  EXPECT_LT(count, 50) << "too many links have broken";
+  EXPECT_GT(readCsv(folder / "energy.csv").at("broken").back(), 0);
+  const struct {
+    int ranks, threads;
+    const char* more;
+  } layouts[] = {{1, 2, ""}, {2, 1, ""}, {3, 2, ""}, {4, 1, "-partition metis -partition_piece 6"}};
+  for (const auto& l : layouts) {
+    outcome = run(folder, options + outputs + "-ts_max_steps 300 " + l.more, l.ranks, l.threads);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(readFile(folder / "out.h5") == state) << l.ranks << " x " << l.threads << l.more;
+    EXPECT_TRUE(readFile(folder / "energy.csv") == table) << l.ranks << " x " << l.threads << l.more;
+  }
+}
+
+TEST(Links, ARestartGoesOnWithThem) {
+  const Folder folder;
+  makeLinked(folder);
+  auto outcome = run(folder, options + outputs + "-ts_max_steps 300", 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string state = readFile(folder / "out.h5"), table = readFile(folder / "energy.csv");
+  outcome = run(folder, options + outputs + "-ts_max_steps 140 -checkpoint_file c.h5", 3);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(folder, outputs + "-restart c.h5 -ts_max_steps 300", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(readFile(folder / "out.h5") == state);
+  EXPECT_TRUE(readFile(folder / "energy.csv") == table);
+}
+
+TEST(Links, AreBornUnstressedAndSpringsTurnFreely) {
+  for (const char* law : {"-link_law spring ", "-link_law bond "}) {
+    const Folder folder;
+    makeLinked(folder);
+    const std::string start = "-scene file -scene_file in.h5 -ts_max_steps 0 -energy_monitor "
+                              "ascii:e.csv -overwrite ";
+    auto outcome = run(folder, start + law, 2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const double with = readCsv(folder / "e.csv").at("total")[0];
+    const Folder without;
+    outcome = run(without, "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 -ts_max_steps 0 "
+                           "-energy_monitor ascii:e.csv");
+    EXPECT_NEAR(with, readCsv(without / "e.csv").at("total")[0], 1e-9);
+  }
+}
+
+TEST(Links, WrongOnesAreRefusedWithTheirNumber) {
+  const std::string start = "-scene file -scene_file in.h5 -ts_max_steps 2 ";
+  const struct {
+    std::vector<LinkEnds> links;
+    const char* says;
+  } cases[] = {
+      {{{0, 1, 1, 1}, {0, 2, 7, 99}}, "link 1: its end at fibre 7, segment 99 is not in the file"},
+      {{{0, 1, 0, 1}}, "link 0: its end at fibre 0, segment 1 is at both its ends"},
+      {{{-3, 1, 0, 1}}, "fibre -3"},
+      {{}, "has no dataset segments with links"},
+  };
+  for (const auto& c : cases)
+    for (const int ranks : {1, 2}) {
+      const Folder folder;
+      writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 10),
+                                    straightFibre({0, 40, 0}, {1, 0, 0}, 10)});
+      setLinks(folder / "in.h5", c.links);
+      expectRefused(run(folder, start, ranks), {c.says});
+    }
+  const Folder folder;
+  expectRefused(run(folder, "-weave_fibres 2,2 -link_stretch 3 -ts_max_steps 2"),
+                {"-link_stretch", "no links"});
+}
+
+}  // namespace
+}  // namespace nanoweft::test
