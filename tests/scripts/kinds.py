@@ -156,7 +156,8 @@ class Kinds(FolderTest):
                 ("short", "kind does not match the 112 segments"),
                 ("fibre", "fibre of /run does not hold 8 numbers, first a radius above 0, for each")):
             self.expect_refusal(f"{name}.h5: {text}", "export", f"{name}.h5", "-o", "out.xyz")
-        for name, text in ("range", "segment 105 is of kind 2"), ("fibre", "fibre of /run does not hold"):
+        for name, text in (("range", "segment 105 is of kind 2"),
+                           ("fibre", "fibre of /run does not hold")):
             self.expect_refusal(f"{name}.h5: {text}", "render", f"{name}.h5", "-o", "out.png")
         self.assertFalse({"out.png", "out.xyz"} & set(os.listdir(self.folder)))
         write_two(self.path("in.h5"))
@@ -172,7 +173,8 @@ class Package(FolderTest):
     def test_names_may_be_an_array(self):
         for names in "cnt,glass", ["cnt", "glass"], np.array([b"cnt", b"glass"]):
             state = states.read(write_two(self.path("in.h5"), names))
-            self.assertEqual((state.kinds.names, state.kinds.radii), (("cnt", "glass"), (THIN, THICK)))
+            self.assertEqual(state.kinds.names, ("cnt", "glass"))
+            self.assertEqual(state.kinds.radii, (THIN, THICK))
             np.testing.assert_array_equal(state.radius(), np.repeat([THIN, THICK], [101, 11]))
 
     def distances(self, state):

@@ -72,7 +72,8 @@ def seen(scene: Scene, shift: Array, canvas: Canvas,
     """Depth, tube and normal at each sample, of the tubes of at least this radius."""
     rows = np.flatnonzero(scene.radius >= least)
     tangent = scene.tangent[0][rows], scene.tangent[1][rows]
-    return rasterise(scene.a[rows] - shift, scene.b[rows] - shift, tangent, scene.radius[rows], canvas)
+    return rasterise(scene.a[rows] - shift, scene.b[rows] - shift, tangent, scene.radius[rows],
+                     canvas)
 
 
 def soften(picture: Array, share: float = 0.14) -> Array:
@@ -87,7 +88,7 @@ def soften(picture: Array, share: float = 0.14) -> Array:
 
 class Above(NamedTuple):
     """What stands around each sample."""
-    height: Callable[[float, float], Array]  # x and y aside, above the sample
+    rise: Callable[[float, float], Array]  # x and y aside, above the sample
     radius: float
     phase: float  # 0 to 1: of the directions and steps in which this sample looks
 
@@ -99,7 +100,7 @@ def occlusion(above: Above, normal: tuple[Array, Array, Array]) -> Array:
     for ring, directions in ((1.4, 5), (3.0, 5), (6.0, 6)):
         for angle in (np.arange(directions) + above.phase + ring) * 2 * np.pi / directions:
             x, y = ring * above.radius * np.cos(angle), ring * above.radius * np.sin(angle)
-            z = above.height(x, y)
+            z = above.rise(x, y)
             sine = (nx * x + ny * y + nz * z) / np.sqrt(x * x + y * y + z * z)
             closed += np.clip(sine - np.float32(0.1), 0, 0.8) / 16
     return closed
@@ -109,7 +110,7 @@ def shadowed(above: Above) -> Array:
     """Shadow, 0 to 1, of what stands in the way to the light, softer with distance."""
     radius, shadow = above.radius, np.float32(0)
     for step in radius * (0.5 + np.arange(8) + above.phase):
-        way = (above.height(LAMP[0] / FLAT * step, LAMP[1] / FLAT * step)
+        way = (above.rise(LAMP[0] / FLAT * step, LAMP[1] / FLAT * step)
                - np.float32(LAMP[2] / FLAT * step))
         # Tubes have an underside: light passes below those that are far above.
         way = np.minimum(way, 4.5 * radius - way)
@@ -148,10 +149,10 @@ def shade(scene: Scene, layers: Layers, sampling: int) -> Array:
         nz = np.sqrt(np.maximum(1 - nx * nx - ny * ny, 0))
         closed, shadow = np.zeros_like(here), np.zeros_like(here)
         for depth, radius in zip(depths, radii):
-            def height(x: float, y: float, depth: Array = depth) -> Array:
+            def rise(x: float, y: float, depth: Array = depth) -> Array:
                 return part(depth, x, y) - here
 
-            above = Above(height, radius, phase)
+            above = Above(rise, radius, phase)
             np.maximum(closed, occlusion(above, (nx, ny, nz)), out=closed)
             np.maximum(shadow, shadowed(above), out=shadow)
         ambient = np.exp(-4 * strength * closed)

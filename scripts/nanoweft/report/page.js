@@ -546,7 +546,8 @@
       return [list[Math.floor(0.01 * (list.length - 1))], list[Math.ceil(0.99 * (list.length - 1))]];
     });
     const size = range.map(([low, high]) => high - low);
-    return [range.map(([low, high]) => (low + high) / 2), 0.5 * Math.hypot(...size) * 0.72 + 2 * series.thickest];
+    return [range.map(([low, high]) => (low + high) / 2),
+      0.5 * Math.hypot(...size) * 0.72 + 2 * series.thickest];
   }
 
   class Page {
