@@ -41,6 +41,9 @@ void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
               "%.5g, B3 %.5g, B4 %.5g\n",
               ofKind(f).c_str(), f.length, units.length, f.mass / units.mass, units.massName, f.inertia / units.mass,
               units.massName, units.length, b.stretch, b.shear, b.bending, b.torsion);
+  if (f.kinks())
+    PetscPrintf(comm, "  %skinks at an angle of %.4g rad between neighbours\n", ofKind(f).c_str(),
+                2.0 * std::asin(0.5 * f.kink.angle));
   if (!f.curved()) return;
   const std::string shape = format("  %srest shape: twist %g, curvature %g and %g 1/%s\n",
                                    ofKind(f).c_str(), f.rest.x, f.rest.y, f.rest.z, units.length);

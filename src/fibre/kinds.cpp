@@ -44,6 +44,10 @@ bool Kinds::curved() const {
   return std::ranges::any_of(fibres_, &Fibre::curved);
 }
 
+bool Kinds::kinks() const {
+  return std::ranges::any_of(fibres_, &Fibre::kinks);
+}
+
 double Kinds::shortest() const {
   return std::ranges::min_element(fibres_, {}, &Fibre::length)->length;
 }

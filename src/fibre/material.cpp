@@ -94,6 +94,19 @@ void readRestShape(OptionSection& s, const UnitSystem& units, Fibre& f) {
                turn));
 }
 
+void readKink(OptionSection& s, const UnitSystem& units, Fibre& f) {
+  const std::string perLength = std::string("1/") + units.length;
+  const auto curvature = s.maybeReal(
+      "fibre_kink_curvature", "none", perLength.c_str(),
+      "curvature at which the fibre kinks: beyond it the bending moment grows no more", positive);
+  const double residual = s.real("fibre_kink_stiffness", 0.0, "",
+                                 "bending stiffness of a kink over that of the fibre", {0.0, 1.0});
+  if (!curvature) return;
+  // |e1_i - e1_j| of two axes that are turned by T times the curvature.
+  f.kink.angle = 2.0 * std::sin(0.5 * std::min(*curvature * f.length, 3.0));
+  f.kink.taken = (1.0 - residual) * (0.25 * f.bond.shear + f.bond.bending + 0.5 * f.bond.torsion);
+}
+
 }  // namespace
 
 Fibre readFibre(Options& options, const UnitSystem& units) {
@@ -125,6 +138,7 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
           "is unstable at rest");
   }
   readRestShape(s, units, f);
+  readKink(s, units, f);
   if (f.radius != preset.radius) f.sheet = 0;
   if (whatTheStepDependsOn(f) != whatTheStepDependsOn(preset)) f.step = 0;
   return f;

@@ -148,11 +148,37 @@ struct CurvedRest {
   }
 };
 
+/// Bonds that do not kink.
+struct NoKink {
+  template <class Result>
+  NW_INLINE static void add(const State&, const std::int32_t*, const BondGeometry<Lanes>&,
+                            Result&) {}
+};
+
+struct KinkByKind {
+  const Kinds& kinds;
+
+  template <class Result>
+  void add(const State& state, const std::int32_t* i, const BondGeometry<Lanes>& bonds,
+           Result& result) const {
+    double angle[laneCount], taken[laneCount];
+    for (int k = 0; k < laneCount; ++k) {
+      const Kink& kink = kinds[state.kind(i[k])].kink;
+      // A kind that does not kink has a stiffness of zero to take.
+      angle[k] = kink.angle > 0 ? kink.angle : 1.0;
+      taken[k] = kink.taken;
+    }
+    KinkOf<Lanes>{Lanes(angle, stdx::element_aligned), Lanes(taken, stdx::element_aligned)}.add(
+        bonds, result);
+  }
+};
+
 /// What a bond list needs to know of its bonds' laws.
-template <class Law, class Rest>
+template <class Law, class Rest, class Kink>
 struct Laws {
   Law law;
   Rest rest;
+  Kink kink;
 };
 
 }  // namespace
@@ -188,10 +214,13 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
   const OneLaw one{terms.kinds};
   const LawByKind byKind{terms.kinds};
   const CurvedRest curved{terms.kinds};
-  if (state.restHalf || terms.kinds.curved())
-    terms.kinds.several() ? with(Laws{byKind, curved}) : with(Laws{one, curved});
+  if (terms.kinds.kinks())
+    with(Laws{byKind, curved, KinkByKind{terms.kinds}});
+  else if (state.restHalf || terms.kinds.curved())
+    terms.kinds.several() ? with(Laws{byKind, curved, NoKink{}}) : with(Laws{one, curved, NoKink{}});
   else
-    terms.kinds.several() ? with(Laws{byKind, StraightRest{}}) : with(Laws{one, StraightRest{}});
+    terms.kinds.several() ? with(Laws{byKind, StraightRest{}, NoKink{}})
+                          : with(Laws{one, StraightRest{}, NoKink{}});
 }
 
 template <class Laws>
@@ -221,7 +250,8 @@ void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share
     BondGeometry<Lanes> geometry = bondGeometry(state, nearest, i, j);
     laws.rest.turn(state, i, geometry);
     const auto& law = laws.law.of(state, i);
-    const BondForce<Lanes> bond = law.force(geometry);
+    BondForce<Lanes> bond = law.force(geometry);
+    laws.kink.add(state, i, geometry, bond);
     Row onI[laneCount], onJ[laneCount];
     auto rows = [](const Vec3<Lanes>& force, const Vec3<Lanes>& torque, Row* row) {
       const Lanes v[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
@@ -232,7 +262,10 @@ void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share
     rows(bond.force, bond.torqueI, onI);
     rows(-bond.force, bond.torqueJ, onJ);
     BondEnergy<Lanes> energy;
-    if (energies) energy = law.energy(geometry);
+    if (energies) {
+      energy = law.energy(geometry);
+      laws.kink.add(state, i, geometry, energy);
+    }
     for (int k = 0; k < used; ++k) {
       const auto lane = static_cast<std::size_t>(k);
       Entry& entry = bonds[first + lane];
@@ -242,7 +275,8 @@ void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share
         if (strain > entry.critical) {
           tally.someBroke = true;
           if (mine(i[k])) {
-            const auto u = own.energy(bondGeometry(state, kinds, nearest, i[k], j[k]));
+            const auto u = kinds[state.kind(i[k])].bondEnergy(
+                bondGeometry(state, kinds, nearest, i[k], j[k]));
             tally.released.add(u.total(), tally.energyUnit);
             tally.broken.push_back(state.row[i[k]]);
             state.bond[i[k]] |= nextBroken;

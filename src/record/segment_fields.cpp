@@ -20,7 +20,7 @@ std::vector<SegmentField> emptyFields(int segments) {
 
 void setBondFields(const State& state, const Domain& domain, const ForceField& forces, int i,
                    std::vector<SegmentField>& fields) {
-  const EvmBond& law = forces.kinds()[state.kind(i)].bond;
+  const Fibre& fibre = forces.kinds()[state.kind(i)];
   BondEnergy<double> sum;
   auto set = [&](Place place, double value) {
     fields[place].values[static_cast<std::size_t>(i)] = static_cast<float>(value);
@@ -31,12 +31,12 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
     const auto bond =
         bondGeometry(state, forces.kinds(), forces.nearest(), tie.first ? i : other,
                      tie.first ? other : i);
-    const auto u = law.energy(bond);
+    const auto u = fibre.bondEnergy(bond);
     sum.stretch += 0.5 * u.stretch;
     sum.shear += 0.5 * u.shear;
     sum.bending += 0.5 * u.bending;
     sum.torsion += 0.5 * u.torsion;
-    if (tie.first) set(strain, norm(bond.separation) / law.length - 1.0);
+    if (tie.first) set(strain, norm(bond.separation) / fibre.length - 1.0);
   }
   set(stretch, sum.stretch);
   set(shear, sum.shear);

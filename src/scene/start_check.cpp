@@ -119,7 +119,7 @@ Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& li
       }
       if (values[k] > limits.warned[k]) ++survey.warned[k];
     }
-    const auto u = b.energy(frames);
+    const auto u = c.kinds[s.kind(bond.i)].bondEnergy(frames);
     energy[0].add(u.shear, unit);
     energy[1].add(u.stretch + u.bending + u.torsion, unit);
   });

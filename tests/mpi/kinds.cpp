@@ -84,7 +84,7 @@ TEST(KindsInOneRun, TheSkinOfTheListsChangesNoByte) {
   const Folder reference;
   auto outcome = run(reference, weave + outputs + "-ts_max_steps 200", 2);
   ASSERT_EQ(outcome.status, 0) << outcome.output;
-  for (const char* skin : {"1.5", "8", "20"}) {
+  for (const char* skin : {"1.5", "20"}) {
     const Folder folder;
     outcome = run(folder, weave + outputs + "-ts_max_steps 200 -pair_skin " + skin, 2);
     ASSERT_EQ(outcome.status, 0) << outcome.output;

@@ -56,6 +56,13 @@ TEST(Energy, UndampedFibresOfTwoKindsKeepTheirEnergyToSecondOrder) {
       8, 1600, 15);
 }
 
+TEST(Energy, AFibreThatKinksKeepsItsEnergyToSecondOrder) {
+  // Bonds that are bent by 0.065 rad kink from 0.049 on.
+  expectSecondOrder(
+      "-scene fibre -fibre_segments 24 -fibre_bend 1.5 -fibre_kink_curvature 0.0036 -pair none", 16,
+      8000, 1.5);
+}
+
 TEST(Energy, UndampedFibreDoesNotDriftInALongRun) {
   const Folder folder;
   const auto outcome =

@@ -129,6 +129,41 @@ TEST(Bond, WithRestRotationsAgreesWithFiftyDigits) {
   }
 }
 
+TEST(Kink, MomentFollowsTheCurveAndIsTheSlopeOfTheEnergy) {
+  const double K = 0.25 * referenceBond.shear + referenceBond.bending + 0.5 * referenceBond.torsion;
+  const double angle = 0.05, residual = 0.2;
+  const Kink kink{angle, (1 - residual) * K};
+  auto bentBy = [](double turn) {
+    // Bent about z, symmetrically to the chord.
+    return BondGeometry<double>{{13.56, 0, 0},
+                                rotation({0, 0, -0.5 * turn}),
+                                rotation({0, 0, 0.5 * turn})};
+  };
+  auto momentAt = [&](double turn) {
+    auto force = referenceBond.force(bentBy(turn));
+    kink.add(bentBy(turn), force);
+    return 0.5 * (force.torqueI.z - force.torqueJ.z);
+  };
+  auto energyAt = [&](double turn) {
+    auto energy = referenceBond.energy(bentBy(turn));
+    kink.add(bentBy(turn), energy);
+    return energy.total();
+  };
+  // What the shear of the axes off the chord adds.
+  auto shearAt = [](double turn) {
+    return 0.5 * referenceBond.shear * (1 - std::cos(0.5 * turn)) * std::sin(0.5 * turn);
+  };
+  for (const double turn : {0.0, 0.01, 0.049, 0.0505, 0.053, 0.06, 0.2, 0.5}) {
+    const double h = 1e-5, slope = (energyAt(turn + h) - energyAt(turn - h)) / (2 * h);
+    EXPECT_NEAR(momentAt(turn), slope, 1e-6 * K) << turn;
+  }
+  EXPECT_NEAR((momentAt(0.04) - shearAt(0.04)) / (K * std::sin(0.04)), 1.0, 1e-12);
+  // Far beyond the join: the moment there, and a fifth of the stiffness.
+  const double theta = 2 * std::sin(0.1), width = 0.1 * angle;
+  const double expected = K * (theta - (1 - residual) * (theta - angle - 0.5 * width));
+  EXPECT_NEAR((momentAt(0.2) - shearAt(0.2)) / (expected * std::cos(0.1)), 1.0, 1e-12);
+}
+
 TEST(Bond, LanesGiveTheBitsOfDoubles) {
   Random random;
   const Quatd qi = random.orientation(), qj = rotation(random.vector(0.3)) * qi;

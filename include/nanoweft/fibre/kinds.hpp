@@ -21,6 +21,7 @@ class Kinds {
   bool several() const { return fibres_.size() > 1; }
   /// Is any of them at rest in another shape than straight?
   bool curved() const;
+  bool kinks() const;
   const Fibre& operator[](int kind) const { return fibres_[static_cast<std::size_t>(kind)]; }
   auto begin() const { return fibres_.begin(); }
   auto end() const { return fibres_.end(); }

@@ -10,6 +10,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/fibre/kink.hpp"
 
 namespace nanoweft {
 
@@ -32,6 +33,7 @@ struct Fibre {
   double length = 0;   ///< T of a segment
   double inertia = 0;  ///< of a segment, isotropic
   EvmBond bond;
+  Kink kink;
   /// Rest shape: twist about the axis and curvatures about the second and third body axis, per
   /// length. Zero: straight.
   Vec3d rest{0, 0, 0};
@@ -47,6 +49,13 @@ struct Fibre {
   double step = 0;           ///< usual time step; 0: from the stable step
   Strength strength;
 
+  bool kinks() const { return kink.angle > 0; }
+  /// Energy of a bond whose frames are equal at rest.
+  BondEnergy<double> bondEnergy(const BondGeometry<double>& geometry) const {
+    auto energy = bond.energy(geometry);
+    if (kinks()) kink.add(geometry, energy);
+    return energy;
+  }
   bool curved() const { return rest.x != 0 || rest.y != 0 || rest.z != 0; }
   /// Rotation from a segment's frame to its successor's at rest, as a rotation vector.
   Vec3d restRotation() const { return length * rest; }

@@ -1,0 +1,48 @@
+/// Thin tubes that kink (model.md 14): a bent fibre carries its critical moment and no more.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+constexpr double gigapascal = 6.241509074e-3, pi = std::numbers::pi;
+constexpr double rf = 6.78, wall = 3.35, T = 13.56;
+constexpr double moment = pi * wall * rf * (rf * rf + wall * wall / 4);
+/// Stiffness of a bond in antisymmetric bending.
+constexpr double K = 1029 * gigapascal * moment / T;
+
+/// Angle between the clamped first and the last of 12 segments under a couple at the end, after
+/// 20000 damped steps.
+double angleUnder(double couple) {
+  const Folder folder;
+  char text[64];
+  std::snprintf(text, sizeof text, "-tip_torque 0,0,%.17g", couple);
+  const auto outcome = run(
+      folder, std::string("-scene fibre -fibre_segments 12 -fibre_kink_curvature 0.003636 -pair none "
+                          "-damping_local 0.7 -ts_dt 20 -ts_max_steps 20000 -bc root,tip -root_region "
+                          "-1,-9,-9,1,9,9 -root_fix 1,1,1 -root_fix_rotation -tip_region "
+                          "148,-9,-9,150,9,9 -progress_interval 0 -state_output out.h5 ") +
+                  text);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const auto q = readOrientations(folder / "out.h5");
+  return std::acos(dot(axis1(q.front()), axis1(q.back())));
+}
+
+TEST(Kinks, ABentTubeFoldsAtItsCriticalCurvature) {
+  // (10,10) tubes kink at a radius of 275 A: 0.0493 rad a bond.
+  const double angle = 2 * std::sin(0.5 * 0.003636 * T), width = 0.1 * angle;
+  const double critical = K * (angle + 0.5 * width);
+  const double below = 0.9 * K * angle;
+  EXPECT_NEAR(angleUnder(below), 11 * std::asin(below / K), 1e-3);
+  EXPECT_LT(angleUnder(0.98 * critical), 11 * (angle + width));
+  // Some bond gives way, and the rest of the tube is no more bent than before.
+  EXPECT_GT(angleUnder(1.05 * critical), 1.5);
+}
+
+}  // namespace
+}  // namespace nanoweft::test
