@@ -6,9 +6,12 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <system_error>
 
 namespace {
 
@@ -47,13 +50,29 @@ int refuse(const std::string& reason) {
   return 1;
 }
 
+/// The file of this program; empty when it cannot be found.
+std::filesystem::path ownFile(const std::string& name) {
+  std::error_code failed;
+  if (const auto file = std::filesystem::canonical("/proc/self/exe", failed); !failed) return file;
+  // Without /proc (a bare chroot) the name by which it was started has to serve.
+  if (name.find('/') != std::string::npos) return std::filesystem::canonical(name, failed);
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::filesystem::path file = std::filesystem::path(folder) / name;
+    if (access(file.c_str(), X_OK) == 0) return std::filesystem::canonical(file, failed);
+  }
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   __builtin_cpu_init();
   const std::string simd = wanted(argc, argv);
-  const std::filesystem::path here =
-      std::filesystem::canonical("/proc/self/exe").parent_path() / NANOWEFT_VARIANTS_DIR;
+  const std::filesystem::path own = ownFile(argv[0]);
+  if (own.empty()) return refuse("cannot find its own file; start it by its whole path");
+  const std::filesystem::path here = own.parent_path() / NANOWEFT_VARIANTS_DIR;
   for (const Variant& v : variants) {
     if (simd != "auto" && simd != v.name) continue;
     if (!v.runsHere()) {

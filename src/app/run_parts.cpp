@@ -8,6 +8,7 @@
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/base/threads.hpp"
+#include "nanoweft/force/make_links.hpp"
 #include "nanoweft/motion/breakage.hpp"
 #include "nanoweft/scene/start_check.hpp"
 
@@ -147,6 +148,10 @@ void RunParts::share() {
   if (plan->breaks()) {
     spreadOldBreaks(*state, forces->pairs().exclude());
     forces->rebuild(*state, *domain);  // the bond lists again, without the broken ones
+  }
+  if (!plan->checkpoint && plan->links.density > 0) {
+    makeLinks(*state, *forces, plan->units, plan->settings.seed);
+    forces->rebuild(*state, *domain);
   }
   // The first shares know no measured work. They may be made twice more: from it, then by METIS.
   for (int k = 0; k < 2 && domain->unequal(); ++k) forces->rebuild(*state, *domain);

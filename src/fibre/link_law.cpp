@@ -4,11 +4,24 @@
 
 namespace nanoweft {
 
-LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool linked) {
-  const char* title = "Links (/link of a state file)";
-  const std::string none = "the state has no links (/link)";
-  OptionSection s(options, title, linked, none);
+LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool inFile) {
+  const char* title = "Links";
   LinkLaw law;
+  OptionSection made(options, title);
+  const std::string perLength = std::string("1/") + units.length;
+  law.density = made.real("links_density", 0.0, perLength.c_str(),
+                          "links to be made at the start, per length of fibre, at random places "
+                          "where fibres are closer than -links_distance",
+                          nonNegative);
+  OptionSection places(options, title, law.density > 0, "there is no -links_density");
+  const auto distance =
+      places.maybeReal("links_distance", "none", units.length,
+                       "distance of two axes up to which -links_density ties them", positive);
+  if (law.density > 0 && !distance) throw InputError("-links_density: needs -links_distance");
+  law.distance = distance.value_or(0.0);
+  const bool linked = inFile || law.density > 0;
+  const std::string none = "the state has no links (/link, or -links_density)";
+  OptionSection s(options, title, linked, none);
   law.bond = kinds[0].bond;
   law.spring = s.choice("link_law", "bond", {"bond", "spring"},
                         "an EVM bond, or a spring whose ends are free to turn") == "spring";

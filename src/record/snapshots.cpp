@@ -238,7 +238,8 @@ void Snapshots::addEntry(const std::string& file) {
   if (!time || time->empty() || points < 0 || lines < 0) return;
   const std::string name = fs::path(file).filename().string();
   std::erase_if(entries_, [&](const Entry& e) { return e.file == name; });
-  entries_.push_back({name, (*time)[0], points, lines, namesIn(f, "field")});
+  entries_.push_back({name, (*time)[0], points, lines, namesIn(f, "field"),
+                      H5Lexists(group, "kind", H5P_DEFAULT) > 0});
 }
 
 void Snapshots::write(State& state, const UnitSystem& units, const RunRecord& run,
@@ -299,6 +300,7 @@ std::string Snapshots::indexText() const {
     attribute("/state/", "fibre", "Scalar", 1, "Int", 8);
     attribute("/state/", "group", "Scalar", 1, "Int", 4);
     attribute("/state/", "bond_broken", "Scalar", 1, "Char", 1);
+    if (e.kinds) attribute("/state/", "kind", "Scalar", 1, "Int", 4);
     for (const std::string& name : e.fields) attribute("/field/", name, "Scalar", 1, "Float", 4);
     out << "</Grid>\n";
   }

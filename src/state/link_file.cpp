@@ -109,18 +109,6 @@ struct Ends {
   }
 };
 
-/// A frame whose first axis points along the unit vector t.
-Quatd frameAlong(const Vec3d& t) {
-  const Vec3d hint = std::abs(t.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
-  const Vec3d across = hint - dot(hint, t) * t;
-  const Vec3d e3 = (1.0 / norm(across)) * across;
-  return quaternionFromAxes(t, cross(e3, t), e3);
-}
-
-Quatd inverse(const Quatd& q) {
-  return {q.w, -q.x, -q.y, -q.z};
-}
-
 std::string problemOf(const LinkRows& rows, const Ends& ends, std::size_t k) {
   for (std::size_t side = 0; side < 2; ++side)
     if (ends.row[2 * k + side] == 0) return endOf(rows, k, side) + " is not in the file";
@@ -185,7 +173,7 @@ std::string setLinks(State& state, const LinkRows& rows) {
     for (std::size_t side = 0; side < 2; ++side) {
       const double* q = rows.frame.empty() ? nullptr : &rows.frame[8 * k + 4 * side];
       link.frame[side] = q ? Quatd{q[0], q[1], q[2], q[3]}
-                           : inverse(ends.orientation(2 * k + side)) * frame;
+                           : conjugate(ends.orientation(2 * k + side)) * frame;
     }
     state.links.push_back(link);
   }

@@ -69,6 +69,30 @@ TEST(Links, ARestartGoesOnWithThem) {
   EXPECT_TRUE(readFile(folder / "energy.csv") == table);
 }
 
+TEST(Links, AreMadeAtRandomPlacesAsDenselyAsAsked) {
+  // 16 fibres of 24 segments, 5208 A in all, with 64 crossings: 30 links of some 100 places.
+  const std::string made =
+      "-weave_fibres 8,8 -weave_segments 24 -links_density 0.0057 -links_distance 22 -link_law "
+      "spring -ts_max_steps 60 -damping_local 0.3 -progress_interval 0 -state_output out.h5 ";
+  const Folder one, three, other;
+  auto outcome = run(one, made, 1, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(three, made, 3, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(readFile(one / "out.h5") == readFile(three / "out.h5"));
+  const auto links = readDataset(one / "out.h5", "/link/rest_length");
+  EXPECT_NEAR(static_cast<double>(links.size()), 30, 15);  // three standard deviations
+  const auto ends = readDataset(one / "out.h5", "/link/segments");
+  for (std::size_t k = 0; k < links.size(); ++k) EXPECT_NE(ends[4 * k], ends[4 * k + 2]);
+  outcome = run(other, made + "-seed 2", 1);
+  EXPECT_NE(readDataset(other / "out.h5", "/link/segments"), ends);
+  expectRefused(run(other, "-weave_fibres 4,4 -links_density 1 -links_distance 20 -ts_max_steps 2", 2),
+                {"-links_density 1: there are only", "at most"});
+  expectRefused(run(other, "-links_density 1 -ts_max_steps 2"), {"needs -links_distance"});
+  expectRefused(run(other, "-links_density 1e-3 -links_distance 900 -ts_max_steps 2"),
+                {"beyond the reach"});
+}
+
 TEST(Links, AreBornUnstressedAndSpringsTurnFreely) {
   for (const char* law : {"-link_law spring ", "-link_law bond "}) {
     const Folder folder;

@@ -30,7 +30,8 @@ enum class Purpose : std::uint32_t {
   breakage = 1,
   perturbation = 2,
   stepEstimate = 3,
-  errorEstimate = 4
+  errorEstimate = 4,
+  links = 5
 };
 
 /// Two uniform numbers in (0, 1) that belong to (seed, purpose, fibre, index).

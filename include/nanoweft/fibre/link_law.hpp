@@ -15,10 +15,13 @@ struct LinkLaw {
   bool spring = false;  ///< of its bond the stretching alone: the ends are free to turn
   double breakStrain = std::numeric_limits<double>::infinity(),
          breakForce = std::numeric_limits<double>::infinity();
+  // Links that the run makes at its start, between fibres that are close:
+  double density = 0;   ///< their number per length of fibre; 0: none
+  double distance = 0;  ///< of the two axes at most
 };
 
-/// Reads -link_... Defaults are the bonds of the first kind. `linked`: the run has links; without
-/// them the options are refused.
-LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool linked);
+/// Reads -link_... and -links_... Defaults are the bonds of the first kind. `inFile`: the state that
+/// the run starts from has links. Without any, -link_... are refused.
+LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool inFile);
 
 }  // namespace nanoweft

@@ -51,6 +51,7 @@ class Snapshots {
     double time;
     std::int64_t points, lines;
     std::vector<std::string> fields;  // in /field
+    bool kinds;                       // it has /state/kind
   };
   void addEntry(const std::string& file);
   std::string indexText() const;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -24,5 +25,17 @@ struct Link {
 /// The links of which a rank owns one end at least, ordered by id. Both owners of a link's ends
 /// hold a copy and change it alike.
 using Links = std::vector<Link>;
+
+/// A frame whose first axis points along the unit vector t.
+inline Quatd frameAlong(const Vec3d& t) {
+  const Vec3d hint = std::abs(t.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
+  const Vec3d across = hint - dot(hint, t) * t;
+  const Vec3d e3 = (1.0 / norm(across)) * across;
+  return quaternionFromAxes(t, cross(e3, t), e3);
+}
+
+inline Quatd conjugate(const Quatd& q) {
+  return {q.w, -q.x, -q.y, -q.z};
+}
 
 }  // namespace nanoweft

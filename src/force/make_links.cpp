@@ -1,0 +1,100 @@
+#include "nanoweft/force/make_links.hpp"
+
+#include <algorithm>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/base/random.hpp"
+#include "nanoweft/force/overlap.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// The listed pairs that are close enough, each on the rank that owns its first segment.
+std::vector<ListPair> places(const State& state, const ForceField& forces, double distance) {
+  std::vector<ListPair> found;
+  for (std::size_t c = 0; c < forces.pairs().classes().size(); ++c) {
+    const Both<double> length = forces.pairs().classes()[c].force->length();
+    for (std::size_t t = 0; t < forces.shares().size(); ++t) {
+      const Share share = forces.shares()[t];
+      const auto& lists = forces.lists().pairs()[c].threads()[t];
+      for (const auto* list : {&lists.inner, &lists.outer})
+        list->forEach([&](const ListPair& p) {
+          if (p.i < share.begin || p.i >= share.end || state.fibre[p.i] == state.fibre[p.j]) return;
+          const Vec3d d = forces.nearest()(state.position(p.j) - state.position(p.i));
+          if (distanceOfPieces(d, axis1(state.orientation(p.i)), axis1(state.orientation(p.j)),
+                               {0.5 * length.i, 0.5 * length.j}) <= distance)
+            found.push_back(p);
+        });
+    }
+  }
+  return found;
+}
+
+Link linkAt(const State& state, const ForceField& forces, const ListPair& p) {
+  Link link;
+  const int ends[2] = {p.i, p.j};
+  const Vec3d chord = forces.nearest()(state.position(p.j) - state.position(p.i));
+  link.length = norm(chord);
+  const Quatd frame = frameAlong((1.0 / link.length) * chord);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const int k = ends[side];
+    link.row[side] = state.row[k];
+    link.fibre[side] = state.fibre[k];
+    link.index[side] = state.chain[2 * k];
+    link.frame[side] = conjugate(state.orientation(k)) * frame;
+  }
+  return link;
+}
+
+/// The links of all ranks, in an order that does not depend on ranks.
+Links gather(const Links& mine, MPI_Comm comm, int ranks) {
+  const int bytes = static_cast<int>(mine.size() * sizeof(Link));
+  std::vector<int> counts(static_cast<std::size_t>(ranks)), starts(counts.size());
+  MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  int total = 0;
+  for (std::size_t r = 0; r < counts.size(); ++r) starts[r] = total, total += counts[r];
+  Links all(static_cast<std::size_t>(total) / sizeof(Link));
+  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), starts.data(), MPI_BYTE,
+                 comm);
+  std::ranges::sort(all, {}, &Link::row);
+  return all;
+}
+
+}  // namespace
+
+void makeLinks(State& state, const ForceField& forces, const UnitSystem& units,
+               std::uint64_t seed) {
+  const LinkLaw& law = forces.links().law();
+  if (!forces.pairs() || law.distance > forces.lists().range())
+    throw InputError(
+        format("-links_distance %g: beyond the reach of the pair lists, %g %s; links are made among "
+               "their pairs",
+               law.distance, forces.pairs() ? forces.lists().range() : 0.0, units.length));
+  const auto pairs = places(state, forces, law.distance);
+  double sums[2] = {static_cast<double>(pairs.size()), 0.0};  // places, and length of fibre
+  for (int i = 0; i < state.owned(); ++i) sums[1] += forces.kinds()[state.kind(i)].length;
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, state.comm());
+  const double share = law.density * sums[1] / std::max(1.0, sums[0]);
+  if (share > 1.0)
+    throw InputError(format("-links_density %g: there are only %.0f pairs of segments within "
+                            "-links_distance %g, so %.3g 1/%s at most",
+                            law.density, sums[0], law.distance, sums[0] / sums[1], units.length));
+  Links mine;
+  for (const ListPair& p : pairs)
+    if (uniformPair(seed, Purpose::links, state.row[p.i],
+                    static_cast<std::uint32_t>(state.row[p.j]))[0] < share)
+      mine.push_back(linkAt(state, forces, p));
+  std::int64_t id = state.links.empty() ? 0 : state.links.back().id + 1;
+  MPI_Allreduce(MPI_IN_PLACE, &id, 1, MPI_INT64_T, MPI_MAX, state.comm());
+  std::vector<std::int64_t> rows(state.row, state.row + state.owned());
+  std::ranges::sort(rows);
+  auto own = [&](std::int64_t row) { return std::ranges::binary_search(rows, row); };
+  for (Link& link : gather(mine, state.comm(), state.ranks())) {
+    link.id = id++;
+    if (own(link.row[0]) || own(link.row[1])) state.links.push_back(link);
+  }
+  state.linked = id > 0;
+}
+
+}  // namespace nanoweft
