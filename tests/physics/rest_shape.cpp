@@ -1,4 +1,4 @@
-/// Fibres that are at rest in another shape than straight (model.md 12).
+/// Fibres that are at rest in another shape than straight (model.md 10).
 #include <gtest/gtest.h>
 
 #include <cmath>

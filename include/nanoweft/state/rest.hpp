@@ -1,4 +1,4 @@
-/// Rest rotations of bonds (model.md 12). A bond at rest turns segment i by q0 into its successor j.
+/// Rest rotations of bonds (model.md 10). A bond at rest turns segment i by q0 into its successor j.
 /// Each end takes half of it: with h = q0^(1/2), the bond's law sees the frames
 ///
 ///     Q_i = q_i h,   Q_j = q_j h^-1,
