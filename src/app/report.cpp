@@ -32,15 +32,17 @@ void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
       "  %sfibre: from %s, radius %g %s, %s, E %g GPa, G %g GPa, density %.5g kg/m^3, %.5g %s a "
       "length "
       "of 1 %s\n",
-      ofKind(f).c_str(), f.preset.c_str(), f.radius, units.length, wall.c_str(), f.young / units.gigapascal,
-      f.shear / units.gigapascal, f.density() / units.kilogramPerCubicMetre,
-      f.mass / units.mass / f.length, units.massName, units.length);
+      ofKind(f).c_str(), f.preset.c_str(), f.radius, units.length, wall.c_str(),
+      f.young / units.gigapascal, f.shear / units.gigapascal,
+      f.density() / units.kilogramPerCubicMetre, f.mass / units.mass / f.length, units.massName,
+      units.length);
   PetscPrintf(comm, "%s", fibre.c_str());
   PetscPrintf(comm,
               "  %ssegment: length %g %s, mass %.5g %s, inertia %.5g %s %s^2; bond: B1 %.5g, B2 "
               "%.5g, B3 %.5g, B4 %.5g\n",
-              ofKind(f).c_str(), f.length, units.length, f.mass / units.mass, units.massName, f.inertia / units.mass,
-              units.massName, units.length, b.stretch, b.shear, b.bending, b.torsion);
+              ofKind(f).c_str(), f.length, units.length, f.mass / units.mass, units.massName,
+              f.inertia / units.mass, units.massName, units.length, b.stretch, b.shear, b.bending,
+              b.torsion);
   if (f.kinks())
     PetscPrintf(comm, "  %skinks at an angle of %.4g rad between neighbours\n", ofKind(f).c_str(),
                 2.0 * std::asin(0.5 * f.kink.angle));
@@ -63,8 +65,8 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
   const PointChoice& points = p.points();
   const std::string far =
       points.far != points.near
-          ? format(", %s beyond %g to %g %s", pointsOf(points.far, a, b).c_str(),
-                   points.blend.from, points.blend.to, units.length)
+          ? format(", %s beyond %g to %g %s", pointsOf(points.far, a, b).c_str(), points.blend.from,
+                   points.blend.to, units.length)
           : "";
   // In the order of -kinds, as the prefix of its options.
   const bool inOrder = c.first <= c.second;

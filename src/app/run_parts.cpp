@@ -87,8 +87,8 @@ void RunParts::checkStart() {
   if (file)
     if (const auto it = file->run.reals.find("fibre"); it != file->run.reals.end())
       evolved = it->second == fingerprint() && restShapesOf(file->run) == restShapes() &&
-                own.lower == plan->box.lower &&
-                own.upper == plan->box.upper && own.periodic == plan->box.periodic;
+                own.lower == plan->box.lower && own.upper == plan->box.upper &&
+                own.periodic == plan->box.periodic;
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
   for (const StartFinding& finding : lookAtStart(
            *state,
@@ -211,8 +211,7 @@ void RunParts::chooseStep() {
 std::vector<double> RunParts::restShapes() const {
   std::vector<double> numbers;
   if (!plan->kinds.curved()) return numbers;
-  for (const Fibre& f : plan->kinds)
-    numbers.insert(numbers.end(), {f.rest.x, f.rest.y, f.rest.z});
+  for (const Fibre& f : plan->kinds) numbers.insert(numbers.end(), {f.rest.x, f.rest.y, f.rest.z});
   return numbers;
 }
 

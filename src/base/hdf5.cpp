@@ -1,9 +1,9 @@
 #include "nanoweft/base/hdf5.hpp"
 
 #include <algorithm>
-#include <sstream>
 #include <cmath>
 #include <cstdint>
+#include <sstream>
 
 namespace nanoweft::h5 {
 

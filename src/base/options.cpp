@@ -429,30 +429,35 @@ double OptionSection::real(const std::string& name, double fallback, const char*
 
 std::optional<double> OptionSection::maybeReal(const std::string& name, const char* shown,
                                                const char* unit, const char* help, Bounds bounds) {
-  return read<double>({name, shown, unit, help}, std::nullopt, [&](const std::string& as, const std::string& text) {
-    const double value = parseReal(as, text);
-    checkBounds(as, value, bounds);
-    return value;
-  });
+  return read<double>({name, shown, unit, help}, std::nullopt,
+                      [&](const std::string& as, const std::string& text) {
+                        const double value = parseReal(as, text);
+                        checkBounds(as, value, bounds);
+                        return value;
+                      });
 }
 
 long OptionSection::integer(const std::string& name, long fallback, const char* help, long lower,
                             long upper) {
   return read<long>({name, std::to_string(fallback), "", help}, fallback,
-                    [&](const std::string& as, const std::string& text) { return parseInteger(as, text, lower, upper); })
+                    [&](const std::string& as, const std::string& text) {
+                      return parseInteger(as, text, lower, upper);
+                    })
       .value_or(fallback);
 }
 
 std::optional<long> OptionSection::maybeInteger(const std::string& name, const char* shown,
                                                 const char* help, long lower, long upper) {
-  return read<long>({name, shown, "", help}, std::nullopt, [&](const std::string& as, const std::string& text) {
-    return parseInteger(as, text, lower, upper);
-  });
+  return read<long>({name, shown, "", help}, std::nullopt,
+                    [&](const std::string& as, const std::string& text) {
+                      return parseInteger(as, text, lower, upper);
+                    });
 }
 
 bool OptionSection::flag(const std::string& name, bool fallback, const char* help) {
-  return read<bool>({name, canonical(fallback), "", help}, fallback,
-                    [&](const std::string& as, const std::string& text) { return parseFlag(as, text); })
+  return read<bool>(
+             {name, canonical(fallback), "", help}, fallback,
+             [&](const std::string& as, const std::string& text) { return parseFlag(as, text); })
       .value_or(fallback);
 }
 
@@ -484,7 +489,9 @@ std::string OptionSection::choice(const std::string& name, const std::string& fa
 std::optional<std::vector<double>> OptionSection::reals(const std::string& name, int count,
                                                         const char* shown, const char* unit,
                                                         const char* help) {
-  auto parse = [&](const std::string& as, const std::string& text) { return parseReals(as, text, count); };
+  auto parse = [&](const std::string& as, const std::string& text) {
+    return parseReals(as, text, count);
+  };
   return read<std::vector<double>>({name, shown, unit, help}, shownValue(shown, parse), parse);
 }
 

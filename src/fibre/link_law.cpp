@@ -31,22 +31,21 @@ LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kind
                          .maybeReal("link_stretch", "B1 of the first kind", perArea.c_str(),
                                     "stiffness of a spring", positive)
                          .value_or(law.bond.stretch);
-  OptionSection bond(options, title, linked && !law.spring,
-                     linked ? "-link_law is spring" : none);
+  OptionSection bond(options, title, linked && !law.spring, linked ? "-link_law is spring" : none);
   const std::string unit = perArea + "," + units.energy + "," + units.energy + "," + units.energy;
   if (const auto b = bond.reals("link_stiffness", 4, "of the bonds of the first kind", unit.c_str(),
                                 "stiffnesses B1,B2,B3,B4 of an EVM link")) {
     law.bond.stretch = (*b)[0], law.bond.shear = (*b)[1];
     law.bond.bending = (*b)[2], law.bond.torsion = (*b)[3];
-    if (!((*b)[0] > 0 && (*b)[1] > 0 && (*b)[3] > 0 && 0.25 * (*b)[1] + (*b)[2] + 0.5 * (*b)[3] > 0))
+    if (!((*b)[0] > 0 && (*b)[1] > 0 && (*b)[3] > 0 &&
+          0.25 * (*b)[1] + (*b)[2] + 0.5 * (*b)[3] > 0))
       throw InputError(
           "-link_stiffness: needs B1, B2, B4 and B2/4 + B3 + B4/2 all positive, or the link is "
           "unstable at rest");
   }
-  law.breakStrain =
-      s.maybeReal("link_break_strain", "none", "", "a link breaks when it is longer by this strain",
-                  positive)
-          .value_or(law.breakStrain);
+  law.breakStrain = s.maybeReal("link_break_strain", "none", "",
+                                "a link breaks when it is longer by this strain", positive)
+                        .value_or(law.breakStrain);
   law.breakForce = s.maybeReal("link_break_force", "none", units.force,
                                "a link breaks when its force is larger than this", positive)
                        .value_or(law.breakForce);

@@ -82,16 +82,16 @@ void readSegment(OptionSection& s, const UnitSystem& units, const Fibre& preset,
 
 void readRestShape(OptionSection& s, const UnitSystem& units, Fibre& f) {
   const std::string perLength = std::string("1/") + units.length;
-  f.rest.x = s.real("fibre_rest_twist", 0.0, perLength.c_str(),
-                    "twist of the fibre at rest, per length");
+  f.rest.x =
+      s.real("fibre_rest_twist", 0.0, perLength.c_str(), "twist of the fibre at rest, per length");
   if (const auto k = s.reals("fibre_rest_curvature", 2, "0,0", perLength.c_str(),
                              "curvature of the fibre at rest about its second and third body axis"))
     f.rest.y = (*k)[0], f.rest.z = (*k)[1];
   if (const double turn = norm(f.restRotation()); turn > 0.5)
-    throw InputError(
-        format("-fibre_rest_curvature, -fibre_rest_twist: neighbours would be turned by %.3g rad at "
-               "rest; at most 0.5, by a shorter -fibre_segment_length",
-               turn));
+    throw InputError(format(
+        "-fibre_rest_curvature, -fibre_rest_twist: neighbours would be turned by %.3g rad at "
+        "rest; at most 0.5, by a shorter -fibre_segment_length",
+        turn));
 }
 
 void readKink(OptionSection& s, const UnitSystem& units, Fibre& f) {

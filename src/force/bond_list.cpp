@@ -123,9 +123,7 @@ struct LawByKind {
     auto lanes = [&](int n) { return Lanes(numbers[n], stdx::element_aligned); };
     return {lanes(0), lanes(1), lanes(2), lanes(3), lanes(4)};
   }
-  const EvmBond& of(const State& state, std::int32_t i) const {
-    return kinds[state.kind(i)].bond;
-  }
+  const EvmBond& of(const State& state, std::int32_t i) const { return kinds[state.kind(i)].bond; }
 };
 
 /// Bonds that are straight at rest.
@@ -217,7 +215,8 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
   if (terms.kinds.kinks())
     with(Laws{byKind, curved, KinkByKind{terms.kinds}});
   else if (state.restHalf || terms.kinds.curved())
-    terms.kinds.several() ? with(Laws{byKind, curved, NoKink{}}) : with(Laws{one, curved, NoKink{}});
+    terms.kinds.several() ? with(Laws{byKind, curved, NoKink{}})
+                          : with(Laws{one, curved, NoKink{}});
   else
     terms.kinds.several() ? with(Laws{byKind, StraightRest{}, NoKink{}})
                           : with(Laws{one, StraightRest{}, NoKink{}});
@@ -275,8 +274,8 @@ void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share
         if (strain > entry.critical) {
           tally.someBroke = true;
           if (mine(i[k])) {
-            const auto u = kinds[state.kind(i[k])].bondEnergy(
-                bondGeometry(state, kinds, nearest, i[k], j[k]));
+            const auto u =
+                kinds[state.kind(i[k])].bondEnergy(bondGeometry(state, kinds, nearest, i[k], j[k]));
             tally.released.add(u.total(), tally.energyUnit);
             tally.broken.push_back(state.row[i[k]]);
             state.bond[i[k]] |= nextBroken;

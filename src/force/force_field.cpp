@@ -38,9 +38,9 @@ ForceField::ForceField(Settings settings, const Box& box)
     : settings_(std::move(settings)),
       nearest_(box),
       energyUnit_(settings_.kinds.energyScale()),
-      lists_({settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin,
-              settings_.threads},
-             box),
+      lists_(
+          {settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin, settings_.threads},
+          box),
       links_(settings_.links, settings_.kinds),
       rebuildEvent_(logEvent("NwRebuild")),
       bondEvent_(logEvent("NwBonds")),
@@ -186,8 +186,7 @@ void ForceField::notePairs(const Tallies& tallies) {
 }
 
 void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
-  const double forceUnit = settings_.pairs.forceUnit(),
-               torqueUnit = settings_.pairs.torqueUnit();
+  const double forceUnit = settings_.pairs.forceUnit(), torqueUnit = settings_.pairs.torqueUnit();
   for (std::int32_t i = begin; i < end; ++i) {
     ForceSum& sum = sums_[static_cast<std::size_t>(i)];
     for (int c = 0; c < 3; ++c) {
@@ -200,8 +199,7 @@ void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
 }
 
 void ForceField::handOverViscous(State& state, Share share) const {
-  const double forceUnit = settings_.pairs.forceUnit(),
-               torqueUnit = settings_.pairs.torqueUnit();
+  const double forceUnit = settings_.pairs.forceUnit(), torqueUnit = settings_.pairs.torqueUnit();
   for (std::int32_t i = share.begin; i < share.end; ++i)
     for (int c = 0; c < 3; ++c) {
       const auto k = static_cast<std::size_t>(6 * i + c);
@@ -226,9 +224,9 @@ ForcePass::~ForcePass() {
 }
 
 void ForcePass::moved(std::size_t thread, std::int32_t end) {
-  forces_.lists_.bonds().addUpTo(
-      state_, {forces_.settings_.kinds, forces_.nearest_, false, true},
-      static_cast<int>(thread), forces_.shares()[thread], end, forces_.followed_[thread]);
+  forces_.lists_.bonds().addUpTo(state_, {forces_.settings_.kinds, forces_.nearest_, false, true},
+                                 static_cast<int>(thread), forces_.shares()[thread], end,
+                                 forces_.followed_[thread]);
 }
 
 ClosestPair findClosestPair(const State& state, const ForceField& forces,

@@ -8,7 +8,8 @@ LinkForces::LinkForces(const LinkLaw& law, const Kinds& kinds)
     : law_(law),
       forceUnit_(std::max(kinds.forceScale(), law.bond.stretch * kinds.longest())),
       torqueUnit_(std::max(kinds.energyScale(),
-                           law.bond.stretch * kinds.longest() * kinds.longest() + law.bond.shear)) {}
+                           law.bond.stretch * kinds.longest() * kinds.longest() + law.bond.shear)) {
+}
 
 void LinkForces::build(const State& state, const Domain& domain) {
   ends_.clear();

@@ -67,19 +67,20 @@ void makeLinks(State& state, const ForceField& forces, const UnitSystem& units,
                std::uint64_t seed) {
   const LinkLaw& law = forces.links().law();
   if (!forces.pairs() || law.distance > forces.lists().range())
-    throw InputError(
-        format("-links_distance %g: beyond the reach of the pair lists, %g %s; links are made among "
-               "their pairs",
-               law.distance, forces.pairs() ? forces.lists().range() : 0.0, units.length));
+    throw InputError(format(
+        "-links_distance %g: beyond the reach of the pair lists, %g %s; links are made among "
+        "their pairs",
+        law.distance, forces.pairs() ? forces.lists().range() : 0.0, units.length));
   const auto pairs = places(state, forces, law.distance);
   double sums[2] = {static_cast<double>(pairs.size()), 0.0};  // places, and length of fibre
   for (int i = 0; i < state.owned(); ++i) sums[1] += forces.kinds()[state.kind(i)].length;
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, state.comm());
   const double share = law.density * sums[1] / std::max(1.0, sums[0]);
   if (share > 1.0)
-    throw InputError(format("-links_density %g: there are only %.0f pairs of segments within "
-                            "-links_distance %g, so %.3g 1/%s at most",
-                            law.density, sums[0], law.distance, sums[0] / sums[1], units.length));
+    throw InputError(
+        format("-links_density %g: there are only %.0f pairs of segments within "
+               "-links_distance %g, so %.3g 1/%s at most",
+               law.density, sums[0], law.distance, sums[0] / sums[1], units.length));
   Links mine;
   for (const ListPair& p : pairs)
     if (uniformPair(seed, Purpose::links, state.row[p.i],

@@ -49,8 +49,8 @@ class PairForceOf final : public PairForce {
       const auto which = static_cast<std::size_t>(compiled(points) ? points.i - 1 : 0);
       const Weight weight{kind, points_.blend};
       if (!compiled(points))
-        (withEnergies ? addPairs<true, anyPoints, Law> : addPairs<false, anyPoints, Law>)(
-            law_, units, weight, pairs, job, tally);
+        (withEnergies ? addPairs<true, anyPoints, Law>
+                      : addPairs<false, anyPoints, Law>)(law_, units, weight, pairs, job, tally);
       else if (single_)
         singleKernels[which][withEnergies](*single_, units, weight, pairs, job, tally);
       else

@@ -98,9 +98,9 @@ VdwParameters readVdw(const Reader& read, const VdwParameters& usual) {
   p.b = s.real("vdw_b", p.b, "", "factor B of the attractive power", positive);
   p.alpha = s.real("vdw_alpha", p.alpha, "", "repulsive exponent", positive);
   p.beta = s.real("vdw_beta", p.beta, "", "attractive exponent, below alpha", positive);
-  p.stiffness = s.real("vdw_stiffness", p.stiffness, perArea.c_str(),
-                       "k of the repulsion of two lengths of 2 lambda: u = ... + k (r - rs)^2",
-                       positive);
+  p.stiffness =
+      s.real("vdw_stiffness", p.stiffness, perArea.c_str(),
+             "k of the repulsion of two lengths of 2 lambda: u = ... + k (r - rs)^2", positive);
   if (std::isnan(p.a + p.b + p.alpha + p.beta) && read.is("vdw"))
     throw InputError(format(
         "kinds %s and %s: they have other exponents or factors of the law vdw; give -%s_%s_vdw_a, "
@@ -123,13 +123,14 @@ void readRange(const Reader& read, VdwParameters& p) {
     const std::string shown = format("2 rf + %g lambda", lengths),
                       shownGap = format("%g lambda", lengths);
     const auto whole = distance.maybeReal(name, shown.c_str(), unit, what, positive);
-    const auto part = gap.maybeReal(gapName, shownGap.c_str(), unit,
-                                    format("the same as a gap between surfaces: %s", what).c_str(),
-                                    positive);
+    const auto part =
+        gap.maybeReal(gapName, shownGap.c_str(), unit,
+                      format("the same as a gap between surfaces: %s", what).c_str(), positive);
     if (whole && part) throw InputError(format("-%s, -%s: give one of the two", name, gapName));
     return whole ? *whole : read.touch() + part.value_or(lengths * p.length);
   };
-  p.switchFrom = place("pair_switch", "pair_gap_switch", 4.0, "distance where the switch-off begins");
+  p.switchFrom =
+      place("pair_switch", "pair_gap_switch", 4.0, "distance where the switch-off begins");
   p.cutoff = place("pair_cutoff", "pair_gap_cutoff", 6.0, "distance where pair forces end");
   if (p.cutoff <= p.switchFrom)
     throw InputError(
@@ -202,8 +203,8 @@ OwnPoints readOwnPoints(const Reader& read, const Fibre& f, double rest, double 
   OwnPoints points;
   const auto given = s.maybeInteger("pair_points", "by the law's width; 5 for cnt_10_10",
                                     "points per segment", 1, mostPairPoints);
-  points.near = given ? static_cast<int>(*given)
-                      : needed(rest, width, ranged ? nearSpacing : softSpacing);
+  points.near =
+      given ? static_cast<int>(*given) : needed(rest, width, ranged ? nearSpacing : softSpacing);
   const int few = std::min(points.near, needed(from, from - read.touch(), farSpacing));
   points.far = static_cast<int>(
       range
@@ -218,8 +219,7 @@ OwnPoints readOwnPoints(const Reader& read, const Fibre& f, double rest, double 
 PointChoice readPoints(const Reader& read, double rest, const VdwParameters& vdw) {
   const double from = farFrom(read, vdw);
   const bool ranged = read.is("vdw");
-  const double usual =
-      ranged && from < vdw.cutoff ? from : std::numeric_limits<double>::infinity();
+  const double usual = ranged && from < vdw.cutoff ? from : std::numeric_limits<double>::infinity();
   const OwnPoints ofA = readOwnPoints(read, read.a, rest, usual),
                   ofB = read.mixed() ? readOwnPoints(read, read.b, rest, usual) : ofA;
   PointChoice points;
@@ -269,10 +269,13 @@ PairChoice readChoice(const Reader& read) {
 template <class Law>
 PairTraits traitsOf(const Reader& read, const Law& law, double restDistance,
                     const std::string& description) {
-  return {description,           law.cutoff(),
-          restDistance,          law.closestSensible(),
+  return {description,
+          law.cutoff(),
+          restDistance,
+          law.closestSensible(),
           {read.a.radius, read.b.radius},
-          law.contactStiffness(), law.largestForce()};
+          law.contactStiffness(),
+          law.largestForce()};
 }
 
 std::unique_ptr<PairForce> makeVdw(const Reader& read, const VdwParameters& p, double rest,
@@ -306,14 +309,14 @@ std::unique_ptr<PairForce> makeHertz(const Reader& read, double stiffness,
 /// Reads all that concerns two kinds, with the law's defaults between them; `law` gets what holds.
 std::unique_ptr<PairForce> readOne(Reader& read, OwnLaw& law) {
   OptionSection pair(read.options, topic);
-  read.chosen = pair.choice("pair", law.chosen, {"vdw", "hertz", "none"},
-                            "law of the forces between fibres");
+  read.chosen =
+      pair.choice("pair", law.chosen, {"vdw", "hertz", "none"}, "law of the forces between fibres");
   law.chosen = read.chosen;
   if (read.chosen == undecided)
-    throw InputError(format("kinds %s and %s have different pair laws: give -%s_%s_pair vdw, hertz "
-                            "or none",
-                            read.a.kind.c_str(), read.b.kind.c_str(), read.a.kind.c_str(),
-                            read.b.kind.c_str()));
+    throw InputError(
+        format("kinds %s and %s have different pair laws: give -%s_%s_pair vdw, hertz "
+               "or none",
+               read.a.kind.c_str(), read.b.kind.c_str(), read.a.kind.c_str(), read.b.kind.c_str()));
   PairChoice choice = readChoice(read);
   VdwParameters vdw = readVdw(read, law.vdw);
   readRange(read, vdw);
@@ -329,7 +332,7 @@ std::unique_ptr<PairForce> readOne(Reader& read, OwnLaw& law) {
 /// The defaults between two kinds.
 OwnLaw between(const Fibre& a, const Fibre& b, const OwnLaw& ofA, const OwnLaw& ofB) {
   OwnLaw law;
-  law.chosen = ofA.chosen == ofB.chosen                        ? ofA.chosen
+  law.chosen = ofA.chosen == ofB.chosen                       ? ofA.chosen
                : ofA.chosen == "none" || ofB.chosen == "none" ? "none"
                                                               : undecided;
   law.vdw = meanOf(ofA.vdw, ofB.vdw);

@@ -191,8 +191,7 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
 }
 
 void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
-                          const KindCells& others, const std::vector<Share>& shares,
-                          double range) {
+                          const KindCells& others, const std::vector<Share>& shares, double range) {
   const MinimumImage nearest(state.box);
   const double range2 = range * range;
   const std::vector<int>& order = others.cells.order;

@@ -155,11 +155,10 @@ void addPointWarnings(const Fibre& own, int points, const LawShape& law, const U
                points, own.length / points, units.length, std::sqrt(2.0 * rest * width),
                units.length, least));
   else if (points == mostPairPoints && wanted > mostPairPoints)
-    warnings.push_back(
-        format("this law would need %d points on a segment of %g %s, and %d are the most there "
-               "are; -fibre_segment_length %.3g needs no more",
-               wanted, own.length, units.length, mostPairPoints,
-               own.length * mostPairPoints / wanted));
+    warnings.push_back(format(
+        "this law would need %d points on a segment of %g %s, and %d are the most there "
+        "are; -fibre_segment_length %.3g needs no more",
+        wanted, own.length, units.length, mostPairPoints, own.length * mostPairPoints / wanted));
 }
 
 }  // namespace

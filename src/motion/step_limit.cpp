@@ -63,8 +63,8 @@ class Stiffness {
     for (std::size_t j = 0; j < q.size(); ++j) {
       const bool turns = j % 6 >= 3;
       const Scale& s = scales_[j / 6];
-      largest = std::max(largest, std::abs(q[j]) * (turns ? s.perRootInertia
-                                                          : s.perRootMass / s.length));
+      largest =
+          std::max(largest, std::abs(q[j]) * (turns ? s.perRootInertia : s.perRootMass / s.length));
     }
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, state_.comm());
     const double step = 1e-6 / largest;  // displacements of 1e-6 segments, turns of 1e-6 radians
@@ -199,8 +199,8 @@ double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
       if (first != k && second != k) continue;
       const Both<int> n = force->points().near;
       const double contact = force->contactStiffness() / std::max(n.i, n.j);
-      lowest = std::min(lowest, 2.0 / std::sqrt(4.0 / (chain * chain) +
-                                                6.0 * contact / kinds[k].mass));
+      lowest =
+          std::min(lowest, 2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / kinds[k].mass));
     }
   }
   return lowest;

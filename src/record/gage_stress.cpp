@@ -77,12 +77,12 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
     if (const double part = gage.part(along(i), along(j)); part > 0)
       sum.add(part, link.separation, link.force.force);
   }
-  forEachPair(state, forces, thread, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
-    if (p.i < share.begin || p.i >= share.end) return;
-    if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
-      sum.add(part, d,
-              force.resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
-  });
+  forEachPair(
+      state, forces, thread, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
+        if (p.i < share.begin || p.i >= share.end) return;
+        if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
+          sum.add(part, d, force.resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
+      });
 }
 
 }  // namespace

@@ -28,9 +28,8 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
   for (const Tie& tie : state.ties(i)) {
     if (tie.broken) continue;
     const int other = domain.partner(state, i, tie);
-    const auto bond =
-        bondGeometry(state, forces.kinds(), forces.nearest(), tie.first ? i : other,
-                     tie.first ? other : i);
+    const auto bond = bondGeometry(state, forces.kinds(), forces.nearest(), tie.first ? i : other,
+                                   tie.first ? other : i);
     const auto u = fibre.bondEnergy(bond);
     sum.stretch += 0.5 * u.stretch;
     sum.shear += 0.5 * u.shear;

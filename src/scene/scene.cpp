@@ -24,9 +24,9 @@ constexpr Entry scenes[] = {
 
 std::vector<int> readSceneKinds(OptionSection& section, const std::string& option,
                                 const Kinds& kinds, std::size_t count) {
-  const auto names =
-      section.words(option, count > 1 ? "kinds of the fibres along x and along y; the first of -kinds"
-                                      : "kind of the fibre; the first of -kinds");
+  const auto names = section.words(
+      option, count > 1 ? "kinds of the fibres along x and along y; the first of -kinds"
+                        : "kind of the fibre; the first of -kinds");
   std::vector<int> numbers(count, 0);
   if (names.empty()) return numbers;
   if (names.size() != count)
@@ -35,8 +35,7 @@ std::vector<int> readSceneKinds(OptionSection& section, const std::string& optio
   for (std::size_t k = 0; k < count; ++k) {
     const auto at = std::ranges::find(known, names[k]);
     if (at == known.end())
-      throw InputError(
-          format("-%s: '%s' is not among -kinds", option.c_str(), names[k].c_str()));
+      throw InputError(format("-%s: '%s' is not among -kinds", option.c_str(), names[k].c_str()));
     numbers[k] = static_cast<int>(at - known.begin());
   }
   return numbers;

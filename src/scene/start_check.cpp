@@ -8,8 +8,8 @@
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/exact_sum.hpp"
-#include "nanoweft/state/rest.hpp"
 #include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/state/rest.hpp"
 
 namespace nanoweft {
 

@@ -249,9 +249,9 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
                       "distance between the two fibres at a crossing", positive)
               .value_or(context.restDistance(p.kindX, p.kindY));
   p.periodic = s.flag("weave_periodic", false, "periodic in x and y, every fibre closed on itself");
-  p.shaped = s.choice("weave_rest", "straight", {"straight", "shaped"},
-                      "shape of the fibres at rest: that of their kind, or the woven one") ==
-             "shaped";
+  p.shaped =
+      s.choice("weave_rest", "straight", {"straight", "shaped"},
+               "shape of the fibres at rest: that of their kind, or the woven one") == "shaped";
   if (use != SceneUse::start) return nullptr;
   if (p.periodic && (p.alongX % 2 || p.alongY % 2))
     throw InputError("-weave_fibres: a periodic plain weave needs even numbers");

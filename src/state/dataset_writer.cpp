@@ -132,8 +132,11 @@ bool DatasetWriter::write(hid_t group, const char* name, const Shape& shape,
 
 template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<double>&);
 template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<float>&);
-template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<std::int64_t>&);
-template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<std::int32_t>&);
-template bool DatasetWriter::write(hid_t, const char*, const Shape&, const std::vector<std::int8_t>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&,
+                                   const std::vector<std::int64_t>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&,
+                                   const std::vector<std::int32_t>&);
+template bool DatasetWriter::write(hid_t, const char*, const Shape&,
+                                   const std::vector<std::int8_t>&);
 
 }  // namespace nanoweft

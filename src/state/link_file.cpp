@@ -31,9 +31,11 @@ void readWhole(const OpenState& file, const char* name, const std::vector<hsize_
   const H5T_class_t kind = H5Tget_class(type);
   if (kind != H5T_INTEGER && (whole || kind != H5T_FLOAT))
     file.refuse(what + (whole ? " must hold whole numbers" : " must hold numbers"));
-  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+  std::vector<hsize_t> shape(
+      static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
   H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  if (shape.size() != inner.size() + 1 || !std::equal(inner.begin(), inner.end(), shape.begin() + 1)) {
+  if (shape.size() != inner.size() + 1 ||
+      !std::equal(inner.begin(), inner.end(), shape.begin() + 1)) {
     std::string wanted = "[L";
     for (const hsize_t n : inner) wanted += "," + std::to_string(n);
     file.refuse(what + " must have the shape " + wanted + "]");
@@ -61,8 +63,7 @@ std::string endOf(const LinkRows& rows, std::size_t k, std::size_t side) {
 class OwnRows {
  public:
   explicit OwnRows(const State& state) : state_(state) {
-    for (int i = 0; i < state.owned(); ++i)
-      place_[key(state.fibre[i], state.chain[2 * i])] = i;
+    for (int i = 0; i < state.owned(); ++i) place_[key(state.fibre[i], state.chain[2 * i])] = i;
   }
   /// Local index of a segment of this rank, or -1.
   int of(std::int64_t fibre, std::int64_t index) const {
@@ -112,8 +113,7 @@ struct Ends {
 std::string problemOf(const LinkRows& rows, const Ends& ends, std::size_t k) {
   for (std::size_t side = 0; side < 2; ++side)
     if (ends.row[2 * k + side] == 0) return endOf(rows, k, side) + " is not in the file";
-  if (ends.row[2 * k] == ends.row[2 * k + 1])
-    return endOf(rows, k, 0) + " is at both its ends";
+  if (ends.row[2 * k] == ends.row[2 * k + 1]) return endOf(rows, k, 0) + " is at both its ends";
   if (!rows.kind.empty() && rows.kind[k] != 0)
     return format("link %zu: its kind is %d; there is one, 0", k, rows.kind[k]);
   if (!rows.broken.empty() && rows.broken[k] != 0 && rows.broken[k] != 1)
@@ -140,7 +140,9 @@ LinkRows readLinkRows(const OpenState& file) {
   readWhole(file, "rest_frame", {2, 4}, H5T_NATIVE_DOUBLE, rows.frame);
   const std::size_t n = rows.count();
   if (n == 0) file.refuse("/link has no dataset segments with links");
-  auto fits = [&](std::size_t size, std::size_t columns) { return size == 0 || size == columns * n; };
+  auto fits = [&](std::size_t size, std::size_t columns) {
+    return size == 0 || size == columns * n;
+  };
   if (!fits(rows.kind.size(), 1) || !fits(rows.broken.size(), 1) || !fits(rows.length.size(), 1) ||
       !fits(rows.frame.size(), 8))
     file.refuse("the datasets of /link must have one length");
@@ -172,8 +174,8 @@ std::string setLinks(State& state, const LinkRows& rows) {
     const Quatd frame = frameAlong(norm(chord) > 0 ? (1.0 / norm(chord)) * chord : Vec3d{1, 0, 0});
     for (std::size_t side = 0; side < 2; ++side) {
       const double* q = rows.frame.empty() ? nullptr : &rows.frame[8 * k + 4 * side];
-      link.frame[side] = q ? Quatd{q[0], q[1], q[2], q[3]}
-                           : conjugate(ends.orientation(2 * k + side)) * frame;
+      link.frame[side] =
+          q ? Quatd{q[0], q[1], q[2], q[3]} : conjugate(ends.orientation(2 * k + side)) * frame;
     }
     state.links.push_back(link);
   }

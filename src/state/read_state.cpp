@@ -6,8 +6,8 @@
 #include "nanoweft/base/hdf5.hpp"
 #include "nanoweft/state/link_file.hpp"
 #include "nanoweft/state/memory.hpp"
-#include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/open_state.hpp"
+#include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/state_file.hpp"
 #include "nanoweft/state/state_format.hpp"
 #include "nanoweft/state/state_read.hpp"
@@ -319,8 +319,7 @@ class KindNumbers {
   KindNumbers(const StateHeader& header, const std::vector<std::string>& known) {
     const std::string ours = listOf(known);
     if (!header.parts.contains(rows::kind.name)) {
-      if (known.size() > 1)
-        problem = "it has no /state/kind, and the run has the kinds " + ours;
+      if (known.size() > 1) problem = "it has no /state/kind, and the run has the kinds " + ours;
       numbers_ = {0};
       return;
     }

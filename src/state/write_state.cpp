@@ -245,7 +245,8 @@ void writeState(const std::string& name, State& state, const UnitSystem& units,
       for (const SegmentField& field : what.fields)
         writer.write(fields, field.name, 1, ordered(field.values.data(), 1));
     }
-    writeLinks(writer, [&] { return file.group("link"); }, state);
+    writeLinks(
+        writer, [&] { return file.group("link"); }, state);
     if (what.mesh) writeMesh(writer, file.group("mesh"), state.box, block.begin, rows);
   }
   file.publish(writer.good());

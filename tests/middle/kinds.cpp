@@ -69,7 +69,8 @@ class Mixture {
     for (int kind = 0; kind < 3; ++kind)
       for (int f = 0; f < fibres[kind]; ++f, ++fibre) {
         // Bonds stay far from rest, which pair forces don't mind.
-        const Vec3d start{900 * disorder(fibre, 0), 350 * disorder(fibre, 1), 350 * disorder(fibre, 2)};
+        const Vec3d start{900 * disorder(fibre, 0), 350 * disorder(fibre, 1),
+                          350 * disorder(fibre, 2)};
         const Quatd turn =
             rotation({disorder(fibre, 3), 2 * disorder(fibre, 4), 2 * disorder(fibre, 5)});
         for (int k = 0; k < segments[kind]; ++k, ++row) {
@@ -164,7 +165,8 @@ TEST(MixedSizes, ForcesAddUpToNothingAndAreTheSameBitsOnAnyThreads) {
     sum[k % 3] += a.force[k];
     largest = std::max(largest, std::abs(a.force[k]));
   }
-  for (const double s : sum) EXPECT_NEAR(s, 0, 1e-11 * largest * static_cast<double>(a.fibre.size()));
+  for (const double s : sum)
+    EXPECT_NEAR(s, 0, 1e-11 * largest * static_cast<double>(a.fibre.size()));
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ TEST(KindsInOneRun, ViscousDampingAndFireHaveTheSameBytes) {
        {std::string("-damping_viscous 20 -damping_viscous_angular 500 -ts_max_steps 200"),
         std::string("-relax_method fire -relax_force 1 -ts_limit_interval 50 -ts_max_steps 300")}) {
     std::string options = weave + outputs + more;
-    if (more.find("fire") != std::string::npos) options.replace(options.find("-damping_local 0.2"), 18, "");
+    if (more.find("fire") != std::string::npos)
+      options.replace(options.find("-damping_local 0.2"), 18, "");
     const Folder one, three;
     auto outcome = run(one, options, 1, 2);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
@@ -112,8 +113,7 @@ TEST(KindsInOneRun, NamesInTheFileSayWhichKindsAreMeant) {
       {"-kinds thin,other", "the kind thick, which is not among -kinds thin,other"},
   };
   for (const auto& r : refused)
-    for (const int ranks : {1, 3})
-      expectRefused(run(folder, from + r.options, ranks), {r.says});
+    for (const int ranks : {1, 3}) expectRefused(run(folder, from + r.options, ranks), {r.says});
   // Rows that make no sense are named.
   auto kinds = std::vector<double>(12 * 32, 0.0);
   kinds[5] = 1;

@@ -14,8 +14,9 @@ namespace {
 /// A weave of 8 fibres of 24 segments with 60 links all over it: near and far ones, several at one
 /// segment, some within a fibre.
 void makeLinked(const Folder& folder) {
-  const auto outcome = run(folder, "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 "
-                                   "-ts_max_steps 0 -state_output in.h5");
+  const auto outcome = run(folder,
+                           "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 "
+                           "-ts_max_steps 0 -state_output in.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   std::vector<LinkEnds> links;
   for (std::int64_t k = 0; k < 50; ++k)
@@ -51,7 +52,8 @@ TEST(Links, HaveTheSameBytesOnAnyRanksThreadsAndPartitions) {
     outcome = run(folder, options + outputs + "-ts_max_steps 300 " + l.more, l.ranks, l.threads);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_TRUE(readFile(folder / "out.h5") == state) << l.ranks << " x " << l.threads << l.more;
-    EXPECT_TRUE(readFile(folder / "energy.csv") == table) << l.ranks << " x " << l.threads << l.more;
+    EXPECT_TRUE(readFile(folder / "energy.csv") == table)
+        << l.ranks << " x " << l.threads << l.more;
   }
 }
 
@@ -86,8 +88,9 @@ TEST(Links, AreMadeAtRandomPlacesAsDenselyAsAsked) {
   for (std::size_t k = 0; k < links.size(); ++k) EXPECT_NE(ends[4 * k], ends[4 * k + 2]);
   outcome = run(other, made + "-seed 2", 1);
   EXPECT_NE(readDataset(other / "out.h5", "/link/segments"), ends);
-  expectRefused(run(other, "-weave_fibres 4,4 -links_density 1 -links_distance 20 -ts_max_steps 2", 2),
-                {"-links_density 1: there are only", "at most"});
+  expectRefused(
+      run(other, "-weave_fibres 4,4 -links_density 1 -links_distance 20 -ts_max_steps 2", 2),
+      {"-links_density 1: there are only", "at most"});
   expectRefused(run(other, "-links_density 1 -ts_max_steps 2"), {"needs -links_distance"});
   expectRefused(run(other, "-links_density 1e-3 -links_distance 900 -ts_max_steps 2"),
                 {"beyond the reach"});
@@ -97,14 +100,16 @@ TEST(Links, AreBornUnstressedAndSpringsTurnFreely) {
   for (const char* law : {"-link_law spring ", "-link_law bond "}) {
     const Folder folder;
     makeLinked(folder);
-    const std::string start = "-scene file -scene_file in.h5 -ts_max_steps 0 -energy_monitor "
-                              "ascii:e.csv -overwrite ";
+    const std::string start =
+        "-scene file -scene_file in.h5 -ts_max_steps 0 -energy_monitor "
+        "ascii:e.csv -overwrite ";
     auto outcome = run(folder, start + law, 2);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const double with = readCsv(folder / "e.csv").at("total")[0];
     const Folder without;
-    outcome = run(without, "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 -ts_max_steps 0 "
-                           "-energy_monitor ascii:e.csv");
+    outcome = run(without,
+                  "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 -ts_max_steps 0 "
+                  "-energy_monitor ascii:e.csv");
     EXPECT_NEAR(with, readCsv(without / "e.csv").at("total")[0], 1e-9);
   }
 }

@@ -1,4 +1,4 @@
-/// Thin tubes that kink (model.md 14): a bent fibre carries its critical moment and no more.
+/// Thin tubes that kink (model.md 12): a bent fibre carries its critical moment and no more.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,12 +22,13 @@ double angleUnder(double couple) {
   const Folder folder;
   char text[64];
   std::snprintf(text, sizeof text, "-tip_torque 0,0,%.17g", couple);
-  const auto outcome = run(
-      folder, std::string("-scene fibre -fibre_segments 12 -fibre_kink_curvature 0.003636 -pair none "
-                          "-damping_local 0.7 -ts_dt 20 -ts_max_steps 20000 -bc root,tip -root_region "
-                          "-1,-9,-9,1,9,9 -root_fix 1,1,1 -root_fix_rotation -tip_region "
-                          "148,-9,-9,150,9,9 -progress_interval 0 -state_output out.h5 ") +
-                  text);
+  const auto outcome =
+      run(folder,
+          std::string("-scene fibre -fibre_segments 12 -fibre_kink_curvature 0.003636 -pair none "
+                      "-damping_local 0.7 -ts_dt 20 -ts_max_steps 20000 -bc root,tip -root_region "
+                      "-1,-9,-9,1,9,9 -root_fix 1,1,1 -root_fix_rotation -tip_region "
+                      "148,-9,-9,150,9,9 -progress_interval 0 -state_output out.h5 ") +
+              text);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   const auto q = readOrientations(folder / "out.h5");
   return std::acos(dot(axis1(q.front()), axis1(q.back())));

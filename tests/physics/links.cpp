@@ -1,4 +1,4 @@
-/// Links against closed forms (model.md 13).
+/// Links against closed forms (model.md 11).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,11 +35,12 @@ TEST(LinksInABeam, ALinkInPlaceOfABondCarriesAsMuch) {
       setDataset(folder / "in.h5", "bond_broken", broken, 1);
       setLinks(folder / "in.h5", {{0, 5, 0, 6}});
     }
-    const auto outcome = run(
-        folder, "-scene file -scene_file in.h5 -pair none -relax_method fire -relax_force 1e-10 "
-                "-ts_max_steps 400000 -bc root,tip -root_region -1,-9,-9,1,9,9 -root_fix 1,1,1 "
-                "-root_fix_rotation -tip_region 135,-9,-9,136,9,9 -tip_force 0.02,0.001,0.002 "
-                "-tip_torque 0.1,0,0 -progress_interval 0 -state_output out.h5");
+    const auto outcome =
+        run(folder,
+            "-scene file -scene_file in.h5 -pair none -relax_method fire -relax_force 1e-10 "
+            "-ts_max_steps 400000 -bc root,tip -root_region -1,-9,-9,1,9,9 -root_fix 1,1,1 "
+            "-root_fix_rotation -tip_region 135,-9,-9,136,9,9 -tip_force 0.02,0.001,0.002 "
+            "-tip_torque 0.1,0,0 -progress_interval 0 -state_output out.h5");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     tip[cut] = readVectors(folder / "out.h5", "/state/position").back().y;
   }
@@ -62,9 +63,7 @@ struct Ladder {
     std::vector<LinkEnds> links;
     for (int k = every; k < segments; k += every) links.push_back({0, k, 1, k});
     setLinks(folder / "in.h5", links);
-    auto region = [](double x) {
-      return number(x - 1) + ",-99,-99," + number(x + 1) + ",99,99";
-    };
+    auto region = [](double x) { return number(x - 1) + ",-99,-99," + number(x + 1) + ",99,99"; };
     const auto outcome = run(
         folder, "-scene file -scene_file in.h5 -pair none -relax_method fire -relax_force " +
                     number(1e-4 * force()) + " -ts_max_steps 400000 -bc root,tip -root_region " +
@@ -83,8 +82,7 @@ struct Ladder {
     const double L = length(), d = apart, P = force(), K = rung / (d * d) / (every * T);
     const double a = std::sqrt(K * (2 / ES + d * d / (2 * EJ))), b = K * d / (2 * EJ * a * a);
     const double B = b * P / a, A = -B * std::tanh(a * L);
-    const double cosh = (std::cosh(a * L) - 1) / (a * a),
-                 sinh = std::sinh(a * L) / (a * a) - L / a;
+    const double cosh = (std::cosh(a * L) - 1) / (a * a), sinh = std::sinh(a * L) / (a * a) - L / a;
     return (P * (1 - b * d) * L * L * L / 3 - d * (A * cosh + B * sinh)) / (2 * EJ);
   }
 };
@@ -111,14 +109,15 @@ TEST(LinksInABeam, ALadderIsTheShearLagBeam) {
 TEST(LinksInABeam, ASpringPulledApartBreaksAtItsForceAndItsEnergyIsBooked) {
   // Two single segments on a spring of 2 eV/A^2, pulled apart at a steady speed.
   const Folder folder;
-  writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 1),
-                                straightFibre({30, 0, 0}, {1, 0, 0}, 1)});
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 0, 0}, 1), straightFibre({30, 0, 0}, {1, 0, 0}, 1)});
   setLinks(folder / "in.h5", {{0, 0, 1, 0}});
   const auto outcome =
-      run(folder, "-scene file -scene_file in.h5 -pair none -link_law spring -link_stretch 2 "
-                  "-link_break_force 10 -bc a,b -a_region -1,-1,-1,1,1,1 -a_fix 1,1,1 -b_region "
-                  "29,-1,-1,31,1,1 -b_velocity 1e-3,0,0 -ts_dt 1 -ts_max_steps 6000 -progress_interval "
-                  "0 -energy_monitor ascii:e.csv -monitor_interval 1 -state_output out.h5");
+      run(folder,
+          "-scene file -scene_file in.h5 -pair none -link_law spring -link_stretch 2 "
+          "-link_break_force 10 -bc a,b -a_region -1,-1,-1,1,1,1 -a_fix 1,1,1 -b_region "
+          "29,-1,-1,31,1,1 -b_velocity 1e-3,0,0 -ts_dt 1 -ts_max_steps 6000 -progress_interval "
+          "0 -energy_monitor ascii:e.csv -monitor_interval 1 -state_output out.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto energies = readCsv(folder / "e.csv");
   // 10 eV/A is reached at 5 A, with 2 * 25/2 = 25 eV in the spring.

@@ -43,8 +43,8 @@ double compliance(const Helix& helix) {
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   const auto before = readVectors(folder / "in.h5", "/state/position");
   auto around = [](const Vec3d& x) {
-    return number(x.x - 1) + "," + number(x.y - 1) + "," + number(x.z - 1) + "," +
-           number(x.x + 1) + "," + number(x.y + 1) + "," + number(x.z + 1);
+    return number(x.x - 1) + "," + number(x.y - 1) + "," + number(x.z - 1) + "," + number(x.x + 1) +
+           "," + number(x.y + 1) + "," + number(x.z + 1);
   };
   const double force = 1e-4;
   outcome = run(folder, helix.options() +
@@ -66,7 +66,8 @@ TEST(RestShape, AHelicalSpringHasTheStiffnessOfItsWireInTorsion) {
   double error[2];
   for (int k = 0; k < 2; ++k) {
     const int segments = 48 << k;
-    error[k] = compliance({R, p, wire / segments, static_cast<int>(turns) * segments + 1}) / exact - 1;
+    error[k] =
+        compliance({R, p, wire / segments, static_cast<int>(turns) * segments + 1}) / exact - 1;
   }
   EXPECT_LT(std::abs(error[0]), 0.02);
   EXPECT_LT(std::abs(error[1]), 0.01);
@@ -74,9 +75,9 @@ TEST(RestShape, AHelicalSpringHasTheStiffnessOfItsWireInTorsion) {
 
 TEST(RestShape, AHelixLaidAtRestStaysAtRest) {
   const Folder folder;
-  const auto outcome = run(
-      folder, Helix{60, 20, tubeLength, 100}.options() +
-                  "-ts_max_steps 500 -energy_monitor ascii:e.csv -monitor_interval 100 -state_output out.h5");
+  const auto outcome = run(folder, Helix{60, 20, tubeLength, 100}.options() +
+                                       "-ts_max_steps 500 -energy_monitor ascii:e.csv "
+                                       "-monitor_interval 100 -state_output out.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto energies = readCsv(folder / "e.csv");
   for (const double e : energies.at("total")) EXPECT_LT(e, 1e-18);
@@ -96,9 +97,11 @@ double gapOfCutRing(const std::string& rest) {
   std::vector<double> broken(40, 0.0);
   broken[39] = 1;
   setDataset(folder / "in.h5", "bond_broken", broken, 1);
-  outcome = run(folder, "-scene file -scene_file in.h5 -scene_file_edited -pair none "
-                        "-progress_interval 0 -start_unchecked -damping_local 0.3 -ts_max_steps 60000 "
-                        "-state_output out.h5 " + rest);
+  outcome = run(folder,
+                "-scene file -scene_file in.h5 -scene_file_edited -pair none "
+                "-progress_interval 0 -start_unchecked -damping_local 0.3 -ts_max_steps 60000 "
+                "-state_output out.h5 " +
+                    rest);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   const auto x = readVectors(folder / "out.h5", "/state/position");
   return norm(x[39] - x[0]) / tubeLength;
@@ -112,10 +115,10 @@ TEST(RestShape, ACutRingOpensWhenItsFibreIsStraightAtRestAndStaysWhenItIsARing) 
 
 TEST(RestShape, AWovenShapeAtRestHasNoBendingAndKeepsItsCrimp) {
   const Folder folder;
-  const auto outcome = run(
-      folder,
-      "-weave_fibres 4,4 -weave_segments 24 -weave_rest shaped -ts_max_steps 0 -energy_monitor "
-      "ascii:e.csv");
+  const auto outcome =
+      run(folder,
+          "-weave_fibres 4,4 -weave_segments 24 -weave_rest shaped -ts_max_steps 0 -energy_monitor "
+          "ascii:e.csv");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto energies = readCsv(folder / "e.csv");
   EXPECT_LT(energies.at("bending")[0], 1e-15);

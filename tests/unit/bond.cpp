@@ -135,9 +135,8 @@ TEST(Kink, MomentFollowsTheCurveAndIsTheSlopeOfTheEnergy) {
   const Kink kink{angle, (1 - residual) * K};
   auto bentBy = [](double turn) {
     // Bent about z, symmetrically to the chord.
-    return BondGeometry<double>{{13.56, 0, 0},
-                                rotation({0, 0, -0.5 * turn}),
-                                rotation({0, 0, 0.5 * turn})};
+    return BondGeometry<double>{
+        {13.56, 0, 0}, rotation({0, 0, -0.5 * turn}), rotation({0, 0, 0.5 * turn})};
   };
   auto momentAt = [&](double turn) {
     auto force = referenceBond.force(bentBy(turn));

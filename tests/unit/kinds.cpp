@@ -76,8 +76,7 @@ TEST(Kinds, PairsOfThreeKindsAgreeWithFiftyDigits) {
     EXPECT_LT(norm(sum.force[i] - vectorAt(row, 17)), 1e-10 * std::max(1e-3, force));
     EXPECT_LT(norm(sum.force[i] + sum.force[j]), 1e-15);
     // All kinds share the units of the integer sums, which the stiffest pair decides.
-    const double error =
-        std::max(1e-10 * std::max(1e-2, torque), 2 * found->force->torqueUnit());
+    const double error = std::max(1e-10 * std::max(1e-2, torque), 2 * found->force->torqueUnit());
     EXPECT_LT(norm(sum.torque[i] - vectorAt(row, 20)), error);
     EXPECT_LT(norm(sum.torque[j] - vectorAt(row, 23)), error);
     // One pair by itself, as observers see it.
@@ -151,7 +150,8 @@ TEST(Kinds, HertzBetweenKindsIsTheForceOfHertzAtATenthOfTheThinnerRadius) {
   const double force = 4.0 / 3.0 / compliance * std::sqrt(radius) * std::pow(overlap, 1.5);
   // Two crossed lines with w per length squared repel each other with 2 pi r w(r).
   const Quatd along{1, 0, 0, 0};
-  const double w = read.pairs.between(0, 1)->average(1, {0, 0, r}, axis1(along), axis1(along)).energy;
+  const double w =
+      read.pairs.between(0, 1)->average(1, {0, 0, r}, axis1(along), axis1(along)).energy;
   EXPECT_NEAR(2 * std::numbers::pi * r * w / force, r / 80, 1e-12);
 }
 

@@ -307,8 +307,9 @@ TEST(OddState, PhysicsOfLaterVersionsIsRefused) {
   };
   expectRefused("/link has no dataset segments", group("link"));
   expectRefused("does not know", group("contact"));
-  expectRefused("its kind is 1; there are 1",
-                [](hid_t, hid_t g) { reals(g, "kind", {0, 0, 1, 1, 1}); });
+  expectRefused("its kind is 1; there are 1", [](hid_t, hid_t g) {
+    reals(g, "kind", {0, 0, 1, 1, 1});
+  });
   expectRead([](hid_t, hid_t g) { reals(g, "kind", std::vector<double>(5)); });
   expectRead(group("notes"));
 }

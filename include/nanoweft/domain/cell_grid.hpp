@@ -1,5 +1,6 @@
-/// The grid of cells over the box, a PETSc DMDA: a lattice of cells, each owned by a rank. Pair list,
-/// halo and rectilinear partition are built on it. In open directions the grid spans the segments.
+/// The grid of cells over the box, a PETSc DMDA: a lattice of cells, each owned by a rank. Pair
+/// list, halo and rectilinear partition are built on it. In open directions the grid spans the
+/// segments.
 #pragma once
 
 #include <petscdmda.h>

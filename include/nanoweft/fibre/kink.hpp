@@ -1,8 +1,8 @@
-/// Kinking of thin tubes (model.md 14): beyond a critical angle between the axes of a bond's
+/// Kinking of thin tubes (model.md 12): beyond a critical angle between the axes of a bond's
 /// segments the bending energy grows linearly, not quadratically.
 ///
-/// With theta = |e1_i - e1_j| (the angle, to second order) and K the bond's stiffness in antisymmetric
-/// bending, bending alone costs K theta^2/2. A kink takes from it
+/// With theta = |e1_i - e1_j| (the angle, to second order) and K the bond's stiffness in
+/// antisymmetric bending, bending alone costs K theta^2/2. A kink takes from it
 ///
 ///     (1 - residual) K/2 g(theta - angle),
 ///     g(t) = 0 for t < 0;  t^3/(3 w) up to w = angle/10;  t^2 - w t + w^2/3 beyond,

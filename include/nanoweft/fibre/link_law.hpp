@@ -20,8 +20,8 @@ struct LinkLaw {
   double distance = 0;  ///< of the two axes at most
 };
 
-/// Reads -link_... and -links_... Defaults are the bonds of the first kind. `inFile`: the state that
-/// the run starts from has links. Without any, -link_... are refused.
+/// Reads -link_... and -links_... Defaults are the bonds of the first kind. `inFile`: the state
+/// that the run starts from has links. Without any, -link_... are refused.
 LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool inFile);
 
 }  // namespace nanoweft

@@ -1,5 +1,6 @@
-/// The Hertz pair law (model.md 4.2, 9), repulsion without adhesion: u(r) = K (2 rf - r)^(5/2) where
-/// fibres overlap, else zero. u is the energy of two segments of length 2 rf, w = u/(2 rf)^2 per length squared.
+/// The Hertz pair law (model.md 4.2, 9), repulsion without adhesion: u(r) = K (2 rf - r)^(5/2)
+/// where fibres overlap, else zero. u is the energy of two segments of length 2 rf, w = u/(2 rf)^2
+/// per length squared.
 ///
 /// Two fibres crossed at a right angle with an overlap d repel each other by the force
 /// 2 pi r w(r) = pi K d^(5/2)/rf (d << rf). Hertz's theory gives (4/3) E* sqrt(rf) d^(3/2) for

@@ -1,14 +1,15 @@
 /// The interface of pair forces between segments of different fibres. A pair law w(r), an energy
 /// per length squared, is summed over n quadrature points on each axis:
 ///
-///     U_ij = (Ti Tj/(ni nj)) sum_a sum_b w(|p_jb - p_ia|),   p_ia = x_i + (a - (ni-1)/2) Ti/ni e1_i
+///     U_ij = (Ti Tj/(ni nj)) sum_a sum_b w(|p_jb - p_ia|),   p_ia = x_i + (a - (ni-1)/2) Ti/ni
+///     e1_i
 ///
 /// Therefore the force between two fibres does not depend on T beyond the quadrature error. The
 /// code of a law computes u = Ti Tj w. The two segments may be of different kinds; then i is the
-/// one of the kind that PairForces::Class names first. Pairs far apart may use fewer points; pair_sift.hpp says how
-/// one sum gives way to the other. Laws are chosen by name. A new law is a header like hertz.hpp,
-/// an entry in pair_forces_read.cpp and a makePairForce in pair_force.cpp; that file instantiates
-/// the kernels and takes long to compile.
+/// one of the kind that PairForces::Class names first. Pairs far apart may use fewer points;
+/// pair_sift.hpp says how one sum gives way to the other. Laws are chosen by name. A new law is a
+/// header like hertz.hpp, an entry in pair_forces_read.cpp and a makePairForce in pair_force.cpp;
+/// that file instantiates the kernels and takes long to compile.
 #pragma once
 
 #include <cstdint>

@@ -120,8 +120,8 @@ struct KernelUnits {
 /// numbers and lengths are those of KernelUnits.
 inline constexpr int anyPoints = 0;
 
-/// As `sumPoints` with any numbers of points. Points of i that are out of reach of all of j in every
-/// lane are left out, which matters for long segments.
+/// As `sumPoints` with any numbers of points. Points of i that are out of reach of all of j in
+/// every lane are left out, which matters for long segments.
 template <bool Energies, class Law, class V>
 NW_INLINE PointSums<V> sumAnyPoints(const Law& law, const KernelUnits& units,
                                     const PairShape<V>& shape) {
@@ -332,7 +332,8 @@ NW_INLINE void fetchAhead(const PairJob& job, const std::int32_t* partners,
   }
 }
 
-/// Adds the forces of pairs with N (or any) points on each axis; `weight` multiplies the pairs' energies.
+/// Adds the forces of pairs with N (or any) points on each axis; `weight` multiplies the pairs'
+/// energies.
 template <bool Energies, int N, class Law>
 void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
               const LaneView& pairs, const PairJob& job, PairTally& tally) {

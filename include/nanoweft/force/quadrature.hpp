@@ -24,17 +24,19 @@ inline constexpr double coarsestSpacing = 0.8;
 /// Points that a segment of `length` needs; not limited to mostPairPoints.
 int pointsNeeded(double length, double distance, double gap, double spacing);
 
-/// Gap over which a law acts between two fibres: the gap at rest, or the overlap of a soft repulsion.
+/// Gap over which a law acts between two fibres: the gap at rest, or the overlap of a soft
+/// repulsion.
 double lawWidth(double restDistance, const Fibre& a, const Fibre& b);
 
 /// Rms error of the pair forces on a segment over the rms of these forces, in a slightly disordered
 /// bundle of 61 fibres; the reference is the sum over many points (13 for the (10,10) tube).
-/// Depends on law, points and fibre alone; `pair` is that of two fibres of one kind. Empty when the estimate would take minutes: for a law
-/// that reaches very far, or is very narrow against the segment.
+/// Depends on law, points and fibre alone; `pair` is that of two fibres of one kind. Empty when the
+/// estimate would take minutes: for a law that reaches very far, or is very narrow against the
+/// segment.
 std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre);
 
-/// Warnings about the number of points that a run uses. `a`, `b`: the fibres of the pair's first and
-/// second segment.
+/// Warnings about the number of points that a run uses. `a`, `b`: the fibres of the pair's first
+/// and second segment.
 std::vector<std::string> pointWarnings(const PairForce& pair, const Fibre& a, const Fibre& b,
                                        const UnitSystem& units);
 

@@ -14,8 +14,8 @@ inline Vec3d separationOf(const State& state, const ForceField& forces, int i, i
   return forces.nearest()(state.position(j) - state.position(i));
 }
 
-/// Calls visit(pair force, pair, x_j - x_i) for the pairs in reach that a thread lists. A pair of two
-/// threads' or ranks' segments is listed, and visited, by both.
+/// Calls visit(pair force, pair, x_j - x_i) for the pairs in reach that a thread lists. A pair of
+/// two threads' or ranks' segments is listed, and visited, by both.
 template <class Visit>
 void forEachPair(const State& state, const ForceField& forces, std::size_t thread,
                  const Visit& visit) {

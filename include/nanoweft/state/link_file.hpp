@@ -4,7 +4,8 @@
 ///     kind         int32 [L]        optional, 0
 ///     broken       int8 [L]         optional, 0
 ///     rest_length  float64 [L]      optional: as long as it is in the file
-///     rest_frame   float64 [L,2,4]  optional: unit quaternions from each end's segment to the link's
+///     rest_frame   float64 [L,2,4]  optional: unit quaternions from each end's segment to the
+///     link's
 ///                                   frame; by default both ends are at rest as they are
 #pragma once
 

@@ -1,4 +1,5 @@
-/// Links tie any two segments, of one fibre or of two, besides the bonds along fibres (model.md 13).
+/// Links tie any two segments, of one fibre or of two, besides the bonds along fibres (model.md
+/// 11).
 #pragma once
 
 #include <array>
@@ -11,9 +12,9 @@
 namespace nanoweft {
 
 struct Link {
-  std::int64_t id = 0;                 ///< its place in the order of the state file
-  std::array<std::int64_t, 2> row{};   ///< of the segments at its ends
-  std::array<std::int64_t, 2> fibre{}; ///< of these
+  std::int64_t id = 0;                  ///< its place in the order of the state file
+  std::array<std::int64_t, 2> row{};    ///< of the segments at its ends
+  std::array<std::int64_t, 2> fibre{};  ///< of these
   std::array<std::int32_t, 2> index{};
   std::int32_t kind = 0, broken = 0;
   double length = 0;  ///< at rest

@@ -40,9 +40,10 @@ struct StateHeader {
   std::string units = "nano";
   bool anyBroken = false;  ///< some bond is broken
   RunRecord run;
-  std::string digest;           ///< SHA-256 of the whole file, as sha256sum prints it
-  FileIdentity identity;        ///< of the file that was looked at
-  std::vector<std::string> kinds;  ///< names behind the numbers of /state/kind; empty: none are given
+  std::string digest;     ///< SHA-256 of the whole file, as sha256sum prints it
+  FileIdentity identity;  ///< of the file that was looked at
+  std::vector<std::string>
+      kinds;                    ///< names behind the numbers of /state/kind; empty: none are given
   std::set<std::string> parts;  ///< names of what /state holds: datasets with content, step, time
 };
 
@@ -69,7 +70,8 @@ struct StateWriteOptions {
 StateHeader readStateHeader(MPI_Comm comm, const std::string& file, Trust trust = Trust::program);
 
 /// Reads the rows into the empty `state`, a block of rows to each rank, and wraps positions. Kinds
-/// are those of State::kinds by their names. Throws InputError, naming the row, for values that make no sense; the state is of no use then.
+/// are those of State::kinds by their names. Throws InputError, naming the row, for values that
+/// make no sense; the state is of no use then.
 void readStateRows(const std::string& file, const StateHeader& header, State& state);
 
 /// Writes the owned points of all ranks; rank 0 alone touches the file. Ghosts are ignored. Throws
