@@ -7,13 +7,14 @@
 #include <string>
 
 #include "nanoweft/domain/domain.hpp"
+#include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/state.hpp"
 
 namespace nanoweft::test {
 
 constexpr int fibreLength = 8;
 constexpr std::int64_t allRows = 6 * fibreLength, firstClosed = 4 * fibreLength;
-constexpr ExtraFields allFields{.gap = true, .viscous = true};
+constexpr ExtraFields allFields{.gap = true, .viscous = true, .rest = true};
 
 /// Six straight fibres side by side lie in it; the last two are closed.
 inline Box sceneBox() {
@@ -40,6 +41,7 @@ inline void setSegment(State& state, int i, std::int64_t row, double moved = 0) 
   const double pose[8] = {
       5 + 12 * fibre, 5 + 8 * fibre + moved, 5.0 + 10 * index, 0, 0.6, 0, 0.8, 0};
   std::copy_n(pose, 8, state.pose + 8 * i);
+  if (state.rest) setRest(state, i, {0.01 * static_cast<double>(row), 0.02, -0.03});
 }
 
 /// Gives each rank a block of rows, in their order.
