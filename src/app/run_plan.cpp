@@ -32,7 +32,7 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
                       options.helpWanted() || checkpoint)),
       links(readLinkLaw(options, units, kinds, linked() || options.helpWanted())),
       boundaries(options, units, kinds, restDistance(0, 0)),
-      observers(makeObservers(options, {settings, units, boundaries})) {
+      observers(makeObservers(options, {settings, units, boundaries, kinds})) {
   readBox(options);
   options.refuseUnknown();
   if (options.helpWanted()) return;

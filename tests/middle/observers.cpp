@@ -33,7 +33,8 @@ class Book : public RunBook {
 
 class ObserverTest : public testing::Test {
  protected:
-  ObserverContext context() { return {settings, nanoUnits(), tubes.boundaries}; }
+  ObserverContext context() { return {settings, nanoUnits(), tubes.boundaries, kinds}; }
+  const Kinds kinds = cnt1010(nanoUnits());
   /// The moment at which a step ends.
   Moment at(std::int64_t step) {
     tubes.state.step = book.step = step;

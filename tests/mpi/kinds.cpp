@@ -37,6 +37,34 @@ TEST(KindsInOneRun, SameBytesOnAnyRanksThreadsAndPartition) {
   }
 }
 
+TEST(KindsInOneRun, TheTableOfKindsAddsUpToTheEnergiesOnAnyRanks) {
+  const std::string monitors =
+      "-energy_monitor ascii:energy.csv -kind_monitor ascii:kinds.csv -monitor_interval 40 "
+      "-ts_max_steps 80";
+  const Folder one, three;
+  auto outcome = run(one, weave + monitors, 1, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(three, weave + monitors, 3, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(readFile(one / "kinds.csv") == readFile(three / "kinds.csv"));
+  const auto all = readCsv(one / "energy.csv"), kinds = readCsv(one / "kinds.csv");
+  ASSERT_EQ(kinds.at("step").size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (const char* part : {"stretch", "shear", "bending", "torsion", "kinetic", "rotational"})
+      EXPECT_NEAR(
+          kinds.at("thin_" + std::string(part))[k] + kinds.at("thick_" + std::string(part))[k],
+          all.at(part)[k], 1e-9 * all.at("total")[0])
+          << part;
+    EXPECT_NEAR(kinds.at("thin_thin_pair")[k] + kinds.at("thin_thick_pair")[k] +
+                    kinds.at("thick_thick_pair")[k],
+                all.at("pair")[k], 1e-9 * std::abs(all.at("pair")[k]));
+    EXPECT_LT(kinds.at("thin_thick_pair")[k], 0);
+    EXPECT_EQ(kinds.at("links")[k], 0);
+  }
+  expectRefused(run(one, "-weave_fibres 2,2 -kind_monitor ascii:k.csv -ts_max_steps 2"),
+                {"-kind_monitor", "-kinds"});
+}
+
 TEST(KindsInOneRun, ViscousDampingAndFireHaveTheSameBytes) {
   for (const std::string& more :
        {std::string("-damping_viscous 20 -damping_viscous_angular 500 -ts_max_steps 200"),

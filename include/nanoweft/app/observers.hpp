@@ -7,6 +7,7 @@
 #include "nanoweft/app/settings.hpp"
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/motion/boundary.hpp"
 #include "nanoweft/record/observer.hpp"
 
@@ -17,6 +18,7 @@ struct ObserverContext {
   const RunSettings& settings;
   const UnitSystem& units;
   const Boundaries& boundaries;
+  const Kinds& kinds;
 };
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
