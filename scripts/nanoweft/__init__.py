@@ -9,7 +9,7 @@ generators   fibres laid in space, to write as states
 rotations    quaternions and matrices of many segments
 units        times, lengths and energies as people write them
 arguments    kinds of arguments that several commands take
-analysis     bundles, broken bonds, decays
+analysis     bundles, broken bonds, shares of a stress, decays
 pictures     tubes as pictures and movies, tables as plots
 report       one HTML page of a run
 verification, speed_error, scaling   the three studies with pages of their own in runs/

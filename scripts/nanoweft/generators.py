@@ -61,6 +61,13 @@ def hexagon(spacing: float, rings: int) -> Array:
                      if abs(i + j) <= rings])
 
 
+def innermost(spacing: float, count: int) -> Array:
+    """Places in a plane of so many tubes in hexagonal packing, as close to one as they fit."""
+    places = hexagon(spacing, math.ceil(math.sqrt(count / 3)))
+    far = np.linalg.norm(places, axis=1).round(6)
+    return places[np.argsort(far, kind="stable")][:count]
+
+
 @dataclass
 class Endless:
     """Endless tubes along x: segments of length T, and how far each is off its place, A."""
@@ -179,13 +186,15 @@ class Plies:
     warp: int = 4           # thick fibres of a ply
     weft: int = 24          # thin fibres of a ply
     segments: int = 12      # of a thick fibre
+    strand: int = 0         # thin fibres of a strand along x; one in each gap between thick fibres
     gap: float = GAP        # at least, between the surfaces of two fibres, A
     seed: int = 1           # of the places of the thin fibres
 
 
 def composite(plies: Plies = Plies(), thick: Kind = GLASS, thin: Kind = CNT) -> states.State:
-    """Thin fibres that go over and under thick ones, their neighbours the other way round; kinds
-    `thin` (0) and `thick` (1). No two are closer than the gap."""
+    """Thin fibres that go over and under thick ones, their neighbours the other way round, and
+    strands of thin ones along the thick ones; kinds `thin` (0) and `thick` (1). No two are closer
+    than the gap."""
     bow = thick.radius + thin.radius + plies.gap
     # At this pitch the crest of the wave is as round as the fibre that it goes over.
     pitch = math.pi * bow
@@ -198,17 +207,23 @@ def composite(plies: Plies = Plies(), thick: Kind = GLASS, thin: Kind = CNT) -> 
         raise ValueError(f"{plies.weft} thin fibres do not fit beside each other into {length:g} A")
     random = np.random.default_rng(plies.seed)
     shift = 0.5 * (apart - closest) * (random.random((plies.count, plies.weft)) - 0.5)
-    fibres = []
+    fibres, rise = [], 2 * (bow + thin.radius) + plies.gap
     for ply in range(plies.count):
-        height = ply * (2 * (bow + thin.radius) + plies.gap)
+        height = ply * rise
         for j in range(plies.weft):
             x = (j + 0.5) * apart + shift[ply, j] - 0.5 * thick.T
             z = height + (-1)**j * wave.height(across)
             fibres.append(np.column_stack([np.full(len(across), x), across, z]))
         fibres += [straight((0, (k + 0.5) * pitch, height), plies.segments, 0, thick.T)
                    for k in range(plies.warp)]
+    # The wefts leave channels under, between and over the plies, halfway between thick fibres.
+    channels = [(k * pitch, (ply - 0.5) * rise)
+                for ply in range(plies.count + 1) for k in range(1, plies.warp)]
+    start = 0.5 * (thin.T - thick.T)
+    strands = [straight((start, *place), int(length / thin.T), 0, thin.T)
+               for middle in channels for place in middle + innermost(closest, plies.strand)]
     kind = np.tile(np.repeat([0, 1], [plies.weft, plies.warp]), plies.count)
-    return in_box(fibres, kind, (thin, thick))
+    return in_box(fibres + strands, np.append(kind, np.zeros(len(strands), int)), (thin, thick))
 
 
 def in_box(fibres: Sequence[Array], kind: ArrayLike, kinds: Sequence[Kind]) -> states.State:
@@ -226,8 +241,7 @@ def mixed_bench(thin: int = 50_000, thick: int = 200) -> states.State:
     warp, weft = cut(thick, 20), cut(thin, int(length / CNT.T))
     coat = rings(-(-len(weft) // len(warp)))
     spacing = 2 * float(np.linalg.norm(coat[-1])) + TOUCHING
-    cores = hexagon(spacing, math.ceil(math.sqrt(len(warp) / 3)))
-    cores = cores[np.argsort(np.linalg.norm(cores, axis=1).round(6), kind="stable")][:len(warp)]
+    cores = innermost(spacing, len(warp))
     fibres = []
     for j, count in enumerate(weft):
         # Each is shifted along itself by another part of a segment.

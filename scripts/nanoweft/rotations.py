@@ -32,6 +32,14 @@ def matrices(q: Array) -> Array:
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]), -1, 0)
 
 
+def rotation_vectors(q: Array) -> Array:
+    """Axes times angles, between 0 and pi, of unit quaternions."""
+    q = np.where(q[:, :1] < 0, -q, q)
+    sine = np.linalg.norm(q[:, 1:], axis=1)
+    angle = 2 * np.arctan2(sine, q[:, 0])
+    return np.asarray(q[:, 1:] * (angle / np.maximum(sine, 1e-300))[:, None])
+
+
 def no_rotation(count: int) -> Array:
     """Axes along x."""
     return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import kinds
+from . import kinds, rotations
 from .kinds import Kinds
 from .problems import Unusable
 from .units import time_text
@@ -259,6 +259,18 @@ def of_kinds(state: State, names: Sequence[str], kind: ArrayLike) -> State:
     """The state with kinds of these names; `kind`: number of the kind of each fibre, by its id."""
     state.rows["kind"] = np.asarray(kind, np.int32)[state["fibre"]]
     state.kinds = Kinds(tuple(names))
+    return state
+
+
+def at_rest(state: State) -> State:
+    """The state with fibres whose shape at rest is the one that they have."""
+    tubes = find_tubes(state)
+    joined = tubes.first != tubes.second
+    first, second = tubes.first[joined], tubes.second[joined]
+    rest = np.zeros((len(state), 3))
+    rest[first] = rotations.rotation_vectors(rotations.multiply(
+        state["orientation"][first] * (1, -1, -1, -1), state["orientation"][second]))
+    state.rows["rest_rotation"] = rest
     return state
 
 

@@ -24,7 +24,7 @@ install(DIRECTORY src/manual/ DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING
 install(FILES LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # Scenes and commands lie beside each other as in the repository; the commands are called nanoweft-<name>.
-foreach(scene fabric cantilever own_geometry periodic settings)
+foreach(scene fabric composite cantilever own_geometry periodic settings)
   install(DIRECTORY runs/${scene} DESTINATION ${data_dir}/runs USE_SOURCE_PERMISSIONS
     PATTERN *.png EXCLUDE PATTERN *.jpg EXCLUDE PATTERN __pycache__ EXCLUDE)
 endforeach()
@@ -33,7 +33,7 @@ install(DIRECTORY scripts/nanoweft DESTINATION ${data_dir}/scripts
   PATTERN __pycache__ EXCLUDE PATTERN scaling EXCLUDE PATTERN speed_error EXCLUDE PATTERN verification EXCLUDE)
 file(RELATIVE_PATH commands ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/nanoweft/scripts)
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/commands)
-foreach(command run report plot render export bundles breaks)
+foreach(command run report plot render export bundles breaks shares)
   install(PROGRAMS scripts/${command} DESTINATION ${data_dir}/scripts)
   file(CREATE_LINK ${commands}/${command} ${PROJECT_BINARY_DIR}/commands/nanoweft-${command} SYMBOLIC)
   install(FILES ${PROJECT_BINARY_DIR}/commands/nanoweft-${command} DESTINATION ${CMAKE_INSTALL_BINDIR})

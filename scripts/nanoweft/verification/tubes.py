@@ -59,9 +59,9 @@ def continuous(distance, splice, cut):
     return 2 * h * (f[0] + 4 * f[1:-1:2].sum() + 2 * f[2:-1:2].sum() + f[-1]) / 3 / T**2
 
 
-def best(function):
-    """Least value over the distance, by golden sections."""
-    low, high, g = 15.0, 18.3, (math.sqrt(5) - 1) / 2
+def best(function, low=15.0, high=18.3):
+    """Where the least value over the distance is, and the value, by golden sections."""
+    g = (math.sqrt(5) - 1) / 2
     for _ in range(60):
         a, b = high - g * (high - low), low + g * (high - low)
         low, high = (low, b) if function(a) < function(b) else (a, high)

@@ -1,0 +1,77 @@
+"""Tests of scripts/shares: python3 shares.py NANOWEFT SCRIPTS"""
+import os
+import sys
+import unittest
+
+import numpy as np
+from support import FolderTest, write_state
+
+COUNT, T = 31, 13.56
+
+
+class Shares(FolderTest):
+    """A soft and a stiff fibre side by side, pulled to 1 %."""
+
+    def pull(self, *more):
+        x = np.zeros((COUNT, 3))
+        x[:, 0] = np.arange(COUNT) * T
+        self.write(x)
+        options = ("-scene file -scene_file in.h5 -kinds soft,stiff -soft_fibre_young 500 "
+                   "-stiff_fibre_young 1500 -pair none -damping_local 0.5 -tension_rate 2e-6 "
+                   "-tension_grip 20 -tension_width 100 -tension_thickness 17 -tension_max_strain 0.01 -snapshot_interval 125 "
+                   "-monitor_interval 125 -stress_monitor ascii:stress.csv " + " ".join(more))
+        return self.simulate(nanoweft, options)
+
+    def write(self, x):
+        state = states.of_fibres([(x + [0, y, 0], rotations.along(x)) for y in (0, 100)],
+                                 x.min(axis=0) - 200, x.max(axis=0) + 200)
+        states.write(self.path("in.h5"), states.of_kinds(state, ("soft", "stiff"), (0, 1)))
+
+    def shares(self, *arguments):
+        return self.run_program(os.path.join(scripts, "shares"), *arguments)
+
+    def test_stresses_of_the_kinds_add_up_to_that_of_the_table(self):
+        frames = self.pull()
+        table = tables.read(self.path("stress.csv"))
+        for file in frames[len(frames) // 2:]:
+            state = states.read(file)
+            pull = shares.Pull(file, state)
+            stress = shares.stress_by_kind(pull, state)
+            virial = np.interp(pull.strain, table["strain"], table["virial_xx_GPa"])
+            # The motion's part is in the table alone.
+            self.assertAlmostEqual(stress.sum() / virial, 1, delta=2e-3)
+            self.assertAlmostEqual(stress[1] / stress.sum(), 0.75, delta=0.05)
+
+    def test_a_broken_kind_carries_nothing(self):
+        last = self.pull("-soft_break_strain_mean 0.004 -soft_break_strain_std 0",
+                         "-tension_max_strain 0.03")[-1]
+        stress = shares.stress_by_kind(shares.Pull(last, states.read(last)), states.read(last))
+        self.assertLess(abs(stress[0]), 0.02 * stress[1])
+
+    def test_the_printed_table_has_a_line_for_each_snapshot_and_the_picture_is_there(self):
+        frames = self.pull()
+        done = self.shares(*reversed(frames), "-o", "out.png")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        lines = done.stdout.splitlines()
+        self.assertIn("soft, GPa", lines[0])
+        self.assertIn("stiff, GPa", lines[0])
+        strains = [float(line.split()[0]) for line in lines[1:-1]]
+        self.assertEqual(len(strains), len(frames))
+        self.assertEqual(strains, sorted(strains))
+        self.assertTrue(os.path.exists(self.path("out.png")))
+
+    def test_what_is_no_tension_test_is_refused_in_one_line(self):
+        write_state(self.path("still.h5"), [np.eye(3)])
+        for file, text in ("still.h5", "not a snapshot of a tension test"), ("none.h5", "no such file"):
+            done = self.shares(file)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn(text, done.stderr)
+
+
+if __name__ == "__main__":
+    nanoweft, scripts = sys.argv[1:3]
+    sys.path.insert(0, scripts)
+    from nanoweft import rotations, states, tables  # noqa: E402
+    from nanoweft.analysis import shares  # noqa: E402
+    unittest.main(argv=sys.argv[:1])
