@@ -54,6 +54,10 @@ void RunParts::fillState() {
   extras.gap = plan->breaks() && forces->pairs();
   extras.rest = plan->checkpoint ? plan->checkpoint->parts.contains("rest_rotation")
                                  : plan->scene->shapesRest();
+  if (extras.rest && plan->kinds.curved())
+    throw InputError(
+        "-fibre_rest_curvature, -fibre_rest_twist: not used by this run, whose bonds have rest "
+        "rotations of their own (-weave_rest shaped, or rest_rotation in the state file)");
   extras.viscous = static_cast<bool>(plan->settings.viscous);
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();
@@ -85,8 +89,8 @@ void RunParts::checkStart() {
   if (file)
     if (const auto it = file->run.reals.find("fibre"); it != file->run.reals.end())
       evolved = it->second == fingerprint() && restShapesOf(file->run) == restShapes() &&
-                own.lower == plan->box.lower &&
-                own.upper == plan->box.upper && own.periodic == plan->box.periodic;
+                own.lower == plan->box.lower && own.upper == plan->box.upper &&
+                own.periodic == plan->box.periodic;
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
   for (const StartFinding& finding : lookAtStart(
            *state,
@@ -205,8 +209,7 @@ void RunParts::chooseStep() {
 std::vector<double> RunParts::restShapes() const {
   std::vector<double> numbers;
   if (!plan->kinds.curved()) return numbers;
-  for (const Fibre& f : plan->kinds)
-    numbers.insert(numbers.end(), {f.rest.x, f.rest.y, f.rest.z});
+  for (const Fibre& f : plan->kinds) numbers.insert(numbers.end(), {f.rest.x, f.rest.y, f.rest.z});
   return numbers;
 }
 

@@ -33,6 +33,7 @@ struct Reader {
   Options& options;
   const UnitSystem& units;
   const Fibre &a, &b;
+  std::string prefix;  ///< of the options meant for these two: "cnt_mw_", or nothing
   std::string chosen;  ///< law
 
   OptionSection of(const char* law) const {
@@ -40,6 +41,8 @@ struct Reader {
   }
   bool is(const char* law) const { return chosen == law; }
   bool mixed() const { return &a != &b; }
+  /// An option meant for these two, for messages.
+  std::string option(const char* name) const { return "-" + prefix + name; }
   /// Distance of the axes of two fibres that touch.
   double touch() const { return a.radius + b.radius; }
 };
@@ -74,6 +77,7 @@ VdwParameters meanOf(const VdwParameters& x, const VdwParameters& y) {
   p.length = 0.5 * (x.length + y.length);
   p.epsilon = geometric(x.epsilon, y.epsilon);
   p.stiffness = geometric(x.stiffness, y.stiffness);
+  p.smooth = x.smooth || y.smooth;
   p.a = common(x.a, y.a);
   p.b = common(x.b, y.b);
   p.alpha = common(x.alpha, y.alpha);
@@ -88,7 +92,7 @@ VdwParameters readVdw(const Reader& read, const VdwParameters& usual) {
   VdwParameters p = usual;
   const std::string perArea = std::string(units.energy) + "/" + units.length + "^2";
   p.smooth =
-      s.choice("vdw_splice", "smooth", {"smooth", "kink"},
+      s.choice("vdw_splice", p.smooth ? "smooth" : "kink", {"smooth", "kink"},
                "where the linear repulsion joins: equal stiffness, or the minimum") == "smooth";
   p.length = s.real("vdw_length", p.length, units.length,
                     "lambda: the law is one of (r - 2 rf)/lambda", positive);
@@ -98,16 +102,17 @@ VdwParameters readVdw(const Reader& read, const VdwParameters& usual) {
   p.b = s.real("vdw_b", p.b, "", "factor B of the attractive power", positive);
   p.alpha = s.real("vdw_alpha", p.alpha, "", "repulsive exponent", positive);
   p.beta = s.real("vdw_beta", p.beta, "", "attractive exponent, below alpha", positive);
-  p.stiffness = s.real("vdw_stiffness", p.stiffness, perArea.c_str(),
-                       "k of the repulsion of two lengths of 2 lambda: u = ... + k (r - rs)^2",
-                       positive);
+  p.stiffness =
+      s.real("vdw_stiffness", p.stiffness, perArea.c_str(),
+             "k of the repulsion of two lengths of 2 lambda: u = ... + k (r - rs)^2", positive);
   if (std::isnan(p.a + p.b + p.alpha + p.beta) && read.is("vdw"))
     throw InputError(format(
-        "kinds %s and %s: they have other exponents or factors of the law vdw; give -%s_%s_vdw_a, "
-        "_b, _alpha and _beta for their pairs",
-        read.a.kind.c_str(), read.b.kind.c_str(), read.a.kind.c_str(), read.b.kind.c_str()));
+        "kinds %s and %s have different exponents or factors of the law vdw: give %s, _b, _alpha "
+        "and _beta for their pairs",
+        read.a.kind.c_str(), read.b.kind.c_str(), read.option("vdw_a").c_str()));
   if (p.beta >= p.alpha)
-    throw InputError(format("-vdw_beta %g: must be below -vdw_alpha %g", p.beta, p.alpha));
+    throw InputError(format("%s %g: must be below %s %g", read.option("vdw_beta").c_str(), p.beta,
+                            read.option("vdw_alpha").c_str(), p.alpha));
   p.radius = 0.5 * read.touch();
   return p;
 }
@@ -123,17 +128,21 @@ void readRange(const Reader& read, VdwParameters& p) {
     const std::string shown = format("2 rf + %g lambda", lengths),
                       shownGap = format("%g lambda", lengths);
     const auto whole = distance.maybeReal(name, shown.c_str(), unit, what, positive);
-    const auto part = gap.maybeReal(gapName, shownGap.c_str(), unit,
-                                    format("the same as a gap between surfaces: %s", what).c_str(),
-                                    positive);
+    const auto part =
+        gap.maybeReal(gapName, shownGap.c_str(), unit,
+                      format("the same as a gap between surfaces: %s", what).c_str(), positive);
     if (whole && part) throw InputError(format("-%s, -%s: give one of the two", name, gapName));
     return whole ? *whole : read.touch() + part.value_or(lengths * p.length);
   };
-  p.switchFrom = place("pair_switch", "pair_gap_switch", 4.0, "distance where the switch-off begins");
+  p.switchFrom =
+      place("pair_switch", "pair_gap_switch", 4.0, "distance where the switch-off begins");
   p.cutoff = place("pair_cutoff", "pair_gap_cutoff", 6.0, "distance where pair forces end");
   if (p.cutoff <= p.switchFrom)
     throw InputError(
-        format("-pair_cutoff %g: must lie beyond -pair_switch %g", p.cutoff, p.switchFrom));
+        kinds ? format("%s %g: must lie beyond %s %g", read.option("pair_gap_cutoff").c_str(),
+                       p.cutoff - read.touch(), read.option("pair_gap_switch").c_str(),
+                       p.switchFrom - read.touch())
+              : format("-pair_cutoff %g: must lie beyond -pair_switch %g", p.cutoff, p.switchFrom));
 }
 
 ContactSide contactSideOf(const Fibre& f) {
@@ -202,8 +211,8 @@ OwnPoints readOwnPoints(const Reader& read, const Fibre& f, double rest, double 
   OwnPoints points;
   const auto given = s.maybeInteger("pair_points", "by the law's width; 5 for cnt_10_10",
                                     "points per segment", 1, mostPairPoints);
-  points.near = given ? static_cast<int>(*given)
-                      : needed(rest, width, ranged ? nearSpacing : softSpacing);
+  points.near =
+      given ? static_cast<int>(*given) : needed(rest, width, ranged ? nearSpacing : softSpacing);
   const int few = std::min(points.near, needed(from, from - read.touch(), farSpacing));
   points.far = static_cast<int>(
       range
@@ -218,8 +227,7 @@ OwnPoints readOwnPoints(const Reader& read, const Fibre& f, double rest, double 
 PointChoice readPoints(const Reader& read, double rest, const VdwParameters& vdw) {
   const double from = farFrom(read, vdw);
   const bool ranged = read.is("vdw");
-  const double usual =
-      ranged && from < vdw.cutoff ? from : std::numeric_limits<double>::infinity();
+  const double usual = ranged && from < vdw.cutoff ? from : std::numeric_limits<double>::infinity();
   const OwnPoints ofA = readOwnPoints(read, read.a, rest, usual),
                   ofB = read.mixed() ? readOwnPoints(read, read.b, rest, usual) : ofA;
   PointChoice points;
@@ -269,18 +277,26 @@ PairChoice readChoice(const Reader& read) {
 template <class Law>
 PairTraits traitsOf(const Reader& read, const Law& law, double restDistance,
                     const std::string& description) {
-  return {description,           law.cutoff(),
-          restDistance,          law.closestSensible(),
+  return {description,
+          law.cutoff(),
+          restDistance,
+          law.closestSensible(),
           {read.a.radius, read.b.radius},
-          law.contactStiffness(), law.largestForce()};
+          law.contactStiffness(),
+          law.largestForce()};
 }
 
 std::unique_ptr<PairForce> makeVdw(const Reader& read, const VdwParameters& p, double rest,
                                    const PairChoice& choice) {
   const Vdw law(p.of(choice.length, unequalRadii(read.a.radius, read.b.radius)));
   if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
-    throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s",
-                            p.switchFrom, law.restDistance(), read.units.length));
+    throw InputError(read.prefix.empty()
+                         ? format("-pair_switch %g: must lie beyond the resting distance %g %s",
+                                  p.switchFrom, law.restDistance(), read.units.length)
+                         : format("%s %g: must lie beyond the gap at rest, %g %s",
+                                  read.option("pair_gap_switch").c_str(),
+                                  p.switchFrom - read.touch(), law.restDistance() - read.touch(),
+                                  read.units.length));
   const char *length = read.units.length, *energy = read.units.energy;
   const std::string description = format(
       "vdw %s, eps %.5g %s, A %g, B %g, alpha %g, beta %g, lambda %.4g %s, k %.4g %s/%s^2, "
@@ -306,14 +322,12 @@ std::unique_ptr<PairForce> makeHertz(const Reader& read, double stiffness,
 /// Reads all that concerns two kinds, with the law's defaults between them; `law` gets what holds.
 std::unique_ptr<PairForce> readOne(Reader& read, OwnLaw& law) {
   OptionSection pair(read.options, topic);
-  read.chosen = pair.choice("pair", law.chosen, {"vdw", "hertz", "none"},
-                            "law of the forces between fibres");
+  read.chosen =
+      pair.choice("pair", law.chosen, {"vdw", "hertz", "none"}, "law of the forces between fibres");
   law.chosen = read.chosen;
   if (read.chosen == undecided)
-    throw InputError(format("kinds %s and %s have different pair laws: give -%s_%s_pair vdw, hertz "
-                            "or none",
-                            read.a.kind.c_str(), read.b.kind.c_str(), read.a.kind.c_str(),
-                            read.b.kind.c_str()));
+    throw InputError(format("kinds %s and %s have different pair laws: give %s vdw, hertz or none",
+                            read.a.kind.c_str(), read.b.kind.c_str(), read.option("pair").c_str()));
   PairChoice choice = readChoice(read);
   VdwParameters vdw = readVdw(read, law.vdw);
   readRange(read, vdw);
@@ -326,16 +340,29 @@ std::unique_ptr<PairForce> readOne(Reader& read, OwnLaw& law) {
   return nullptr;
 }
 
+struct KindWithLaw {
+  const Fibre& fibre;
+  const OwnLaw& law;
+};
+
+/// The default K between two kinds: from their moduli, as much softer or stiffer as the kinds' own.
+double hertzBetween(const KindWithLaw& one, const KindWithLaw& other, const UnitSystem& units) {
+  const auto& [a, ofA] = one;
+  const auto& [b, ofB] = other;
+  if (!(a.transverse > 0 && b.transverse > 0)) return geometric(ofA.hertz, ofB.hertz);
+  return hertzStiffness(contactSideOf(a), contactSideOf(b)) *
+         geometric(ofA.hertz / usualHertz(a, units), ofB.hertz / usualHertz(b, units));
+}
+
 /// The defaults between two kinds.
-OwnLaw between(const Fibre& a, const Fibre& b, const OwnLaw& ofA, const OwnLaw& ofB) {
+OwnLaw between(const KindWithLaw& one, const KindWithLaw& other, const UnitSystem& units) {
+  const OwnLaw &ofA = one.law, &ofB = other.law;
   OwnLaw law;
-  law.chosen = ofA.chosen == ofB.chosen                        ? ofA.chosen
+  law.chosen = ofA.chosen == ofB.chosen                       ? ofA.chosen
                : ofA.chosen == "none" || ofB.chosen == "none" ? "none"
                                                               : undecided;
   law.vdw = meanOf(ofA.vdw, ofB.vdw);
-  law.hertz = a.transverse > 0 && b.transverse > 0
-                  ? hertzStiffness(contactSideOf(a), contactSideOf(b))
-                  : geometric(ofA.hertz, ofB.hertz);
+  law.hertz = hertzBetween(one, other, units);
   return law;
 }
 
@@ -356,19 +383,21 @@ PairForces readPairForces(Options& options, const UnitSystem& units, const Kinds
   std::vector<OwnLaw> own;
   for (int k = 0; k < kinds.count(); ++k) {
     const Fibre& f = kinds[k];
-    const OptionPrefix prefix(options, f.kind.empty() ? "" : f.kind + "_" + f.kind);
-    Reader read{options, units, f, f, ""};
+    const std::string name = f.kind.empty() ? "" : f.kind + "_" + f.kind;
+    const OptionPrefix prefix(options, name);
+    Reader read{options, units, f, f, name.empty() ? "" : name + "_", ""};
     own.push_back({f.law, usualVdw(units), usualHertz(f, units)});
     keep(k, k, readOne(read, own.back()));
   }
   for (int i = 0; i < kinds.count(); ++i)
     for (int j = i + 1; j < kinds.count(); ++j) {
-      const OptionPrefix prefix(options, kinds[i].kind + "_" + kinds[j].kind);
-      OwnLaw law = between(kinds[i], kinds[j], own[static_cast<std::size_t>(i)],
-                           own[static_cast<std::size_t>(j)]);
+      const std::string name = kinds[i].kind + "_" + kinds[j].kind;
+      const OptionPrefix prefix(options, name);
+      OwnLaw law = between({kinds[i], own[static_cast<std::size_t>(i)]},
+                           {kinds[j], own[static_cast<std::size_t>(j)]}, units);
       const bool swap = kinds[j].length > kinds[i].length;
       const int first = swap ? j : i, second = swap ? i : j;
-      Reader read{options, units, kinds[first], kinds[second], ""};
+      Reader read{options, units, kinds[first], kinds[second], name + "_", ""};
       keep(first, second, readOne(read, law));
     }
   return PairForces(std::move(classes));

@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
 #include "nanoweft/state/memory.hpp"
-#include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/open_state.hpp"
+#include "nanoweft/state/rest.hpp"
 #include "nanoweft/state/state_file.hpp"
 #include "nanoweft/state/state_format.hpp"
 #include "nanoweft/state/state_read.hpp"
@@ -317,8 +318,7 @@ class KindNumbers {
   KindNumbers(const StateHeader& header, const std::vector<std::string>& known) {
     const std::string ours = listOf(known);
     if (!header.parts.contains(rows::kind.name)) {
-      if (known.size() > 1)
-        problem = "it has no /state/kind, and the run has the kinds " + ours;
+      if (known.size() > 1) problem = "it has no /state/kind, and the run has the kinds " + ours;
       numbers_ = {0};
       return;
     }
@@ -327,10 +327,12 @@ class KindNumbers {
       return;
     }
     for (const std::string& name : header.kinds) {
+      if (std::ranges::count(header.kinds, name) > 1)
+        problem = "the attribute kinds of /state/kind names '" + name + "' twice";
       const auto at = std::ranges::find(known, name);
       numbers_.push_back(at == known.end() ? -1 : static_cast<int>(at - known.begin()));
       if (at == known.end() && problem.empty())
-        problem = "its /state/kind has the kind " + name + ", which " +
+        problem = "its /state/kind has the kind '" + name + "', which " +
                   (known[0].empty() ? "-kinds must name" : "is not among -kinds " + ours);
     }
   }
@@ -352,6 +354,18 @@ class KindNumbers {
   }
   std::vector<int> numbers_;
 };
+
+/// What is wrong with the rest rotations of a rank's rows, or nothing.
+std::string problemOfRest(const RawRows& raw, const State& state) {
+  if (!state.rest) return "";
+  for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
+    const double* turn = state.rest + 3 * k;
+    if (const double angle = norm(Vec3d{turn[0], turn[1], turn[2]}); angle > std::numbers::pi)
+      return raw.name(k) +
+             format(": its rest_rotation is a turn by %g rad; pi is the largest", angle);
+  }
+  return "";
+}
 
 /// What is wrong with the kinds of a rank's rows, or nothing.
 std::string problemOfKinds(const RawRows& raw, const KindNumbers& numbers, LastRow before) {
@@ -445,6 +459,7 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
   const KindNumbers numbers(header, state.kinds);
   agreeOn(numbers.problem);
   agreeOn(problemOfKinds(*raw, numbers, before));
+  agreeOn(problemOfRest(*raw, state));
   for (std::size_t k = 0; k < raw->kind.size(); ++k)
     state.setKind(static_cast<int>(k), numbers.of(raw->kind[k]));
   fill(state, header.box, *raw, chains);

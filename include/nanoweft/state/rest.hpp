@@ -1,5 +1,5 @@
-/// Rest rotations of bonds (model.md 10). A bond at rest turns segment i by q0 into its successor j.
-/// Each end takes half of it: with h = q0^(1/2), the bond's law sees the frames
+/// Rest rotations of bonds (model.md 10). A bond at rest turns segment i by q0 into its successor
+/// j. Each end takes half of it: with h = q0^(1/2), the bond's law sees the frames
 ///
 ///     Q_i = q_i h,   Q_j = q_j h^-1,
 ///
@@ -15,10 +15,8 @@ namespace nanoweft {
 
 /// h of the bond from segment i to its successor.
 inline Quatd restHalfOf(const State& state, const Kinds& kinds, int i) {
-  if (const double* h = state.restHalf)
-    return {h[4 * i], h[4 * i + 1], h[4 * i + 2], h[4 * i + 3]};
-  const Fibre& fibre = kinds[state.kind(i)];
-  return fibre.curved() ? rotation(0.5 * fibre.restRotation()) : Quatd{1, 0, 0, 0};
+  if (const double* h = state.restHalf) return {h[4 * i], h[4 * i + 1], h[4 * i + 2], h[4 * i + 3]};
+  return kinds.restHalf(state.kind(i));
 }
 
 /// Turns the frames of a bond into those that are equal at rest.
