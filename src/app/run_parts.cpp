@@ -56,6 +56,10 @@ void RunParts::fillState() {
   extras.gap = plan->breaks() && forces->pairs();
   extras.rest = plan->checkpoint ? plan->checkpoint->parts.contains("rest_rotation")
                                  : plan->scene->shapesRest();
+  if (extras.rest && plan->kinds.curved())
+    throw InputError(
+        "-fibre_rest_curvature, -fibre_rest_twist: not used by this run, whose bonds have rest "
+        "rotations of their own (-weave_rest shaped, or rest_rotation in the state file)");
   extras.viscous = static_cast<bool>(plan->settings.viscous);
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();

@@ -78,11 +78,15 @@ void RunPlan::refuseContradictions() const {
         throw InputError(method + ": -" + b.name +
                          "_velocity keeps the fibres moving, so there is no rest");
   }
-  if (breakage && pairs.exclude() > mostExcludeWithBreakage)
-    throw InputError(
-        format("-pair_exclude %d: at most %d with breakage (by default 20 diameters over the "
-               "segment length)",
-               pairs.exclude(), mostExcludeWithBreakage));
+  for (const PairForces::Class& c : pairs.classes())
+    if (!c.mixed() && breakage[c.first] && c.force->exclude() > mostExcludeWithBreakage) {
+      const std::string& kind = kinds[c.first].kind;
+      throw InputError(
+          format("-%spair_exclude %d: at most %d with breakage (by default 20 diameters over the "
+                 "segment length)",
+                 kind.empty() ? "" : (kind + "_" + kind + "_").c_str(), c.force->exclude(),
+                 mostExcludeWithBreakage));
+    }
 }
 
 bool RunPlan::seeNewStep(const Options& options) const {

@@ -190,6 +190,10 @@ auto shownValue(const std::string& shown, const Parse& parse)
 
 }  // namespace
 
+bool beginsPetscOptions(const std::string& word) {
+  return std::ranges::any_of(petscPrefixes, [&](std::string_view p) { return word + "_" == p; });
+}
+
 Options::Options() {
   PetscBool found;
   petsc(PetscOptionsHasName(nullptr, nullptr, "-help", &found));

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "nanoweft/base/error.hpp"
 
@@ -27,8 +28,17 @@ void checkNames(const std::vector<std::string>& names) {
       throw InputError(format(
           "-kinds: '%s' cannot name a kind of fibre; a name is a letter and then letters or digits",
           name.c_str()));
-    if (!seen.insert(name).second)
-      throw InputError(format("-kinds: '%s' stands there twice", name.c_str()));
+    // PETSc tells no capital from a small letter in the names of options.
+    std::string small = name;
+    std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (beginsPetscOptions(small))
+      throw InputError(
+          format("-kinds: '%s' cannot name a kind of fibre, since -%s_... are options "
+                 "of PETSc",
+                 name.c_str(), small.c_str()));
+    if (!seen.insert(small).second)
+      throw InputError(format("-kinds: '%s' stands there twice (capitals are small letters here)",
+                              name.c_str()));
   }
 }
 
@@ -38,6 +48,10 @@ std::vector<std::string> Kinds::names() const {
   std::vector<std::string> names;
   for (const Fibre& f : fibres_) names.push_back(f.kind);
   return names;
+}
+
+Kinds::Kinds(std::vector<Fibre> fibres) : fibres_(std::move(fibres)) {
+  for (const Fibre& f : fibres_) restHalves_.push_back(rotation(0.5 * f.restRotation()));
 }
 
 bool Kinds::curved() const {

@@ -33,6 +33,7 @@ struct Reader {
   Options& options;
   const UnitSystem& units;
   const Fibre &a, &b;
+  std::string prefix;  ///< of the options meant for these two: "cnt_mw_", or nothing
   std::string chosen;  ///< law
 
   OptionSection of(const char* law) const {
@@ -40,6 +41,8 @@ struct Reader {
   }
   bool is(const char* law) const { return chosen == law; }
   bool mixed() const { return &a != &b; }
+  /// An option meant for these two, for messages.
+  std::string option(const char* name) const { return "-" + prefix + name; }
   /// Distance of the axes of two fibres that touch.
   double touch() const { return a.radius + b.radius; }
 };
@@ -74,6 +77,7 @@ VdwParameters meanOf(const VdwParameters& x, const VdwParameters& y) {
   p.length = 0.5 * (x.length + y.length);
   p.epsilon = geometric(x.epsilon, y.epsilon);
   p.stiffness = geometric(x.stiffness, y.stiffness);
+  p.smooth = x.smooth || y.smooth;
   p.a = common(x.a, y.a);
   p.b = common(x.b, y.b);
   p.alpha = common(x.alpha, y.alpha);
@@ -88,7 +92,7 @@ VdwParameters readVdw(const Reader& read, const VdwParameters& usual) {
   VdwParameters p = usual;
   const std::string perArea = std::string(units.energy) + "/" + units.length + "^2";
   p.smooth =
-      s.choice("vdw_splice", "smooth", {"smooth", "kink"},
+      s.choice("vdw_splice", p.smooth ? "smooth" : "kink", {"smooth", "kink"},
                "where the linear repulsion joins: equal stiffness, or the minimum") == "smooth";
   p.length = s.real("vdw_length", p.length, units.length,
                     "lambda: the law is one of (r - 2 rf)/lambda", positive);
@@ -103,11 +107,12 @@ VdwParameters readVdw(const Reader& read, const VdwParameters& usual) {
              "k of the repulsion of two lengths of 2 lambda: u = ... + k (r - rs)^2", positive);
   if (std::isnan(p.a + p.b + p.alpha + p.beta) && read.is("vdw"))
     throw InputError(format(
-        "kinds %s and %s: they have other exponents or factors of the law vdw; give -%s_%s_vdw_a, "
-        "_b, _alpha and _beta for their pairs",
-        read.a.kind.c_str(), read.b.kind.c_str(), read.a.kind.c_str(), read.b.kind.c_str()));
+        "kinds %s and %s have different exponents or factors of the law vdw: give %s, _b, _alpha "
+        "and _beta for their pairs",
+        read.a.kind.c_str(), read.b.kind.c_str(), read.option("vdw_a").c_str()));
   if (p.beta >= p.alpha)
-    throw InputError(format("-vdw_beta %g: must be below -vdw_alpha %g", p.beta, p.alpha));
+    throw InputError(format("%s %g: must be below %s %g", read.option("vdw_beta").c_str(), p.beta,
+                            read.option("vdw_alpha").c_str(), p.alpha));
   p.radius = 0.5 * read.touch();
   return p;
 }
@@ -134,7 +139,10 @@ void readRange(const Reader& read, VdwParameters& p) {
   p.cutoff = place("pair_cutoff", "pair_gap_cutoff", 6.0, "distance where pair forces end");
   if (p.cutoff <= p.switchFrom)
     throw InputError(
-        format("-pair_cutoff %g: must lie beyond -pair_switch %g", p.cutoff, p.switchFrom));
+        kinds ? format("%s %g: must lie beyond %s %g", read.option("pair_gap_cutoff").c_str(),
+                       p.cutoff - read.touch(), read.option("pair_gap_switch").c_str(),
+                       p.switchFrom - read.touch())
+              : format("-pair_cutoff %g: must lie beyond -pair_switch %g", p.cutoff, p.switchFrom));
 }
 
 ContactSide contactSideOf(const Fibre& f) {
@@ -282,8 +290,13 @@ std::unique_ptr<PairForce> makeVdw(const Reader& read, const VdwParameters& p, d
                                    const PairChoice& choice) {
   const Vdw law(p.of(choice.length, unequalRadii(read.a.radius, read.b.radius)));
   if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
-    throw InputError(format("-pair_switch %g: must lie beyond the resting distance %g %s",
-                            p.switchFrom, law.restDistance(), read.units.length));
+    throw InputError(read.prefix.empty()
+                         ? format("-pair_switch %g: must lie beyond the resting distance %g %s",
+                                  p.switchFrom, law.restDistance(), read.units.length)
+                         : format("%s %g: must lie beyond the gap at rest, %g %s",
+                                  read.option("pair_gap_switch").c_str(),
+                                  p.switchFrom - read.touch(), law.restDistance() - read.touch(),
+                                  read.units.length));
   const char *length = read.units.length, *energy = read.units.energy;
   const std::string description = format(
       "vdw %s, eps %.5g %s, A %g, B %g, alpha %g, beta %g, lambda %.4g %s, k %.4g %s/%s^2, "
@@ -313,10 +326,8 @@ std::unique_ptr<PairForce> readOne(Reader& read, OwnLaw& law) {
       pair.choice("pair", law.chosen, {"vdw", "hertz", "none"}, "law of the forces between fibres");
   law.chosen = read.chosen;
   if (read.chosen == undecided)
-    throw InputError(
-        format("kinds %s and %s have different pair laws: give -%s_%s_pair vdw, hertz "
-               "or none",
-               read.a.kind.c_str(), read.b.kind.c_str(), read.a.kind.c_str(), read.b.kind.c_str()));
+    throw InputError(format("kinds %s and %s have different pair laws: give %s vdw, hertz or none",
+                            read.a.kind.c_str(), read.b.kind.c_str(), read.option("pair").c_str()));
   PairChoice choice = readChoice(read);
   VdwParameters vdw = readVdw(read, law.vdw);
   readRange(read, vdw);
@@ -329,16 +340,29 @@ std::unique_ptr<PairForce> readOne(Reader& read, OwnLaw& law) {
   return nullptr;
 }
 
+struct KindWithLaw {
+  const Fibre& fibre;
+  const OwnLaw& law;
+};
+
+/// The default K between two kinds: from their moduli, as much softer or stiffer as the kinds' own.
+double hertzBetween(const KindWithLaw& one, const KindWithLaw& other, const UnitSystem& units) {
+  const auto& [a, ofA] = one;
+  const auto& [b, ofB] = other;
+  if (!(a.transverse > 0 && b.transverse > 0)) return geometric(ofA.hertz, ofB.hertz);
+  return hertzStiffness(contactSideOf(a), contactSideOf(b)) *
+         geometric(ofA.hertz / usualHertz(a, units), ofB.hertz / usualHertz(b, units));
+}
+
 /// The defaults between two kinds.
-OwnLaw between(const Fibre& a, const Fibre& b, const OwnLaw& ofA, const OwnLaw& ofB) {
+OwnLaw between(const KindWithLaw& one, const KindWithLaw& other, const UnitSystem& units) {
+  const OwnLaw &ofA = one.law, &ofB = other.law;
   OwnLaw law;
   law.chosen = ofA.chosen == ofB.chosen                       ? ofA.chosen
                : ofA.chosen == "none" || ofB.chosen == "none" ? "none"
                                                               : undecided;
   law.vdw = meanOf(ofA.vdw, ofB.vdw);
-  law.hertz = a.transverse > 0 && b.transverse > 0
-                  ? hertzStiffness(contactSideOf(a), contactSideOf(b))
-                  : geometric(ofA.hertz, ofB.hertz);
+  law.hertz = hertzBetween(one, other, units);
   return law;
 }
 
@@ -359,19 +383,21 @@ PairForces readPairForces(Options& options, const UnitSystem& units, const Kinds
   std::vector<OwnLaw> own;
   for (int k = 0; k < kinds.count(); ++k) {
     const Fibre& f = kinds[k];
-    const OptionPrefix prefix(options, f.kind.empty() ? "" : f.kind + "_" + f.kind);
-    Reader read{options, units, f, f, ""};
+    const std::string name = f.kind.empty() ? "" : f.kind + "_" + f.kind;
+    const OptionPrefix prefix(options, name);
+    Reader read{options, units, f, f, name.empty() ? "" : name + "_", ""};
     own.push_back({f.law, usualVdw(units), usualHertz(f, units)});
     keep(k, k, readOne(read, own.back()));
   }
   for (int i = 0; i < kinds.count(); ++i)
     for (int j = i + 1; j < kinds.count(); ++j) {
-      const OptionPrefix prefix(options, kinds[i].kind + "_" + kinds[j].kind);
-      OwnLaw law = between(kinds[i], kinds[j], own[static_cast<std::size_t>(i)],
-                           own[static_cast<std::size_t>(j)]);
+      const std::string name = kinds[i].kind + "_" + kinds[j].kind;
+      const OptionPrefix prefix(options, name);
+      OwnLaw law = between({kinds[i], own[static_cast<std::size_t>(i)]},
+                           {kinds[j], own[static_cast<std::size_t>(j)]}, units);
       const bool swap = kinds[j].length > kinds[i].length;
       const int first = swap ? j : i, second = swap ? i : j;
-      Reader read{options, units, kinds[first], kinds[second], ""};
+      Reader read{options, units, kinds[first], kinds[second], name + "_", ""};
       keep(first, second, readOne(read, law));
     }
   return PairForces(std::move(classes));

@@ -53,10 +53,9 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
   t.asked.thickness =
       s.maybeReal("tension_thickness", "17.1 A for cnt_10_10, else the rest distance", units.length,
                   "thickness of the fabric, for the stress", positive);
-  if (wanted && kinds.several() && !t.asked.thickness)
-    throw InputError("-tension_thickness: with several kinds of fibre it has no default");
   const double sheet = kinds[0].sheet;
-  t.thickness = t.asked.thickness.value_or(sheet > 0 ? sheet : restDistance);
+  const double usual = kinds.several() ? 0.0 : sheet > 0 ? sheet : restDistance;
+  t.thickness = t.asked.thickness.value_or(usual);
   t.fresh =
       s.flag("tension_new", false,
              "a test of its own, even when the state that the run starts from has been pulled "
@@ -106,6 +105,8 @@ void Tension::goOn(const RunRecord& record, double time) {
 }
 
 void Tension::measure(State& state) {
+  if (thickness == 0)
+    throw InputError("-tension_thickness: with several kinds of fibre it has no default");
   const int across = axis == 0 ? 1 : 0;
   // lower and negated upper ends, along and across.
   double extent[4];

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
@@ -328,10 +329,12 @@ class KindNumbers {
       return;
     }
     for (const std::string& name : header.kinds) {
+      if (std::ranges::count(header.kinds, name) > 1)
+        problem = "the attribute kinds of /state/kind names '" + name + "' twice";
       const auto at = std::ranges::find(known, name);
       numbers_.push_back(at == known.end() ? -1 : static_cast<int>(at - known.begin()));
       if (at == known.end() && problem.empty())
-        problem = "its /state/kind has the kind " + name + ", which " +
+        problem = "its /state/kind has the kind '" + name + "', which " +
                   (known[0].empty() ? "-kinds must name" : "is not among -kinds " + ours);
     }
   }
@@ -353,6 +356,18 @@ class KindNumbers {
   }
   std::vector<int> numbers_;
 };
+
+/// What is wrong with the rest rotations of a rank's rows, or nothing.
+std::string problemOfRest(const RawRows& raw, const State& state) {
+  if (!state.rest) return "";
+  for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
+    const double* turn = state.rest + 3 * k;
+    if (const double angle = norm(Vec3d{turn[0], turn[1], turn[2]}); angle > std::numbers::pi)
+      return raw.name(k) +
+             format(": its rest_rotation is a turn by %g rad; pi is the largest", angle);
+  }
+  return "";
+}
 
 /// What is wrong with the kinds of a rank's rows, or nothing.
 std::string problemOfKinds(const RawRows& raw, const KindNumbers& numbers, LastRow before) {
@@ -448,6 +463,7 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
   const KindNumbers numbers(header, state.kinds);
   agreeOn(numbers.problem);
   agreeOn(problemOfKinds(*raw, numbers, before));
+  agreeOn(problemOfRest(*raw, state));
   for (std::size_t k = 0; k < raw->kind.size(); ++k)
     state.setKind(static_cast<int>(k), numbers.of(raw->kind[k]));
   fill(state, header.box, *raw, chains);

@@ -138,7 +138,7 @@ TEST(KindsInOneRun, NamesInTheFileSayWhichKindsAreMeant) {
     std::string options, says;
   } refused[] = {
       {"", "-kinds must name"},
-      {"-kinds thin,other", "the kind thick, which is not among -kinds thin,other"},
+      {"-kinds thin,other", "the kind 'thick', which is not among -kinds thin,other"},
   };
   for (const auto& r : refused)
     for (const int ranks : {1, 3}) expectRefused(run(folder, from + r.options, ranks), {r.says});
@@ -148,6 +148,23 @@ TEST(KindsInOneRun, NamesInTheFileSayWhichKindsAreMeant) {
   setDataset(folder / "in.h5", "kind", kinds, 1);
   expectRefused(run(folder, from + "-scene_file_edited -kinds thin,thick" + thick, 2),
                 {"row 5", "another kind than the segment before it"});
+}
+
+TEST(KindsInOneRun, RestRotationsThatCannotBeMeantAreRefused) {
+  const Folder folder;
+  const auto outcome = run(folder, weave + "-state_output in.h5 -ts_max_steps 0", 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string from =
+      "-scene file -scene_file in.h5 -scene_file_edited -kinds thin,thick -ts_max_steps 0 "
+      "-thick_fibre_radius 13.56 -thick_fibre_density 2273 ";
+  auto turns = std::vector<double>(3 * 12 * 32, 0.0);
+  turns[16] = 4;  // degrees, say
+  setDataset(folder / "in.h5", "rest_rotation", turns, 3);
+  expectRefused(run(folder, from, 2), {"row 5", "4 rad; pi is the largest"});
+  turns[16] = 0;
+  setDataset(folder / "in.h5", "rest_rotation", turns, 3);
+  expectRefused(run(folder, from + "-thin_fibre_rest_curvature 1e-3,0", 2),
+                {"rest rotations of their own"});
 }
 
 }  // namespace

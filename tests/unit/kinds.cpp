@@ -125,6 +125,21 @@ TEST(Kinds, LawsBetweenKindsAreMeansOfTheirOwn) {
   EXPECT_NE(between.find("lambda 7 "), std::string::npos) << between;
 }
 
+TEST(Kinds, WhatIsChosenWithinBothKindsHoldsBetweenThem) {
+  const Read kink = readAll("-kinds a,b -a_a_vdw_splice kink -b_b_vdw_splice kink");
+  EXPECT_NE(kink.pairs.between(0, 1)->description().find("vdw kink"), std::string::npos);
+  // Within the kinds K is a 10th and a 1000th of what follows from the modulus.
+  const std::string amyloid = "-kinds a,b -fibre_preset amyloid ";
+  const Read usual = readAll(amyloid), soft = readAll(amyloid +
+                                                      "-a_a_hertz_stiffness 0.0015189 "
+                                                      "-b_b_hertz_stiffness 0.000015189");
+  const Quatd along{1, 0, 0, 0};
+  auto energy = [&](const Read& read) {
+    return read.pairs.between(0, 1)->average(8, {0, 0, 76}, axis1(along), axis1(along)).energy;
+  };
+  EXPECT_NEAR(energy(soft) / energy(usual), 0.01, 1e-6);
+}
+
 TEST(Kinds, AKindWithoutPairLawHasNoForcesWithAnother) {
   const Read read = readAll("-kinds a,b -b_b_pair none");
   EXPECT_TRUE(read.pairs.between(0, 0));
@@ -160,14 +175,22 @@ TEST(Kinds, WhatCannotBeMeantIsRefusedWithTheRemedy) {
     const char *options, *says;
   } cases[] = {
       {"-kinds a,a", "stands there twice"},
+      {"-kinds a,A", "stands there twice"},
+      {"-kinds a,dm", "options of PETSc"},
       {"-kinds a_b", "cannot name a kind"},
       {"-kinds 7", "cannot name a kind"},
       {"-kinds a,b -b_fibre_radius 9", "kind b: -fibre_radius 9 changes"},
       {"-kinds a,b -c_fibre_radius 9", "unknown option -c_fibre_radius"},
       {"-kinds a,b -b_a_vdw_epsilon 1", "unknown option -b_a_vdw_epsilon"},
       {"-kinds a,b -b_b_pair hertz", "give -a_b_pair vdw, hertz or none"},
+      {"-kinds a,b -b_fibre_preset amyloid", "give -a_b_pair vdw, hertz or none"},
       {"-kinds a,b -pair_cutoff 50", "-pair_gap_cutoff"},
-      {"-kinds a,b -b_b_vdw_alpha 9", "kinds a and b"},
+      {"-kinds a,b -a_b_pair_gap_cutoff 20",
+       "-a_b_pair_gap_cutoff 20: must lie beyond -a_b_pair_gap"},
+      {"-kinds a,b -a_b_pair_gap_switch 1",
+       "-a_b_pair_gap_switch 1: must lie beyond the gap at rest"},
+      {"-kinds a,b -a_b_vdw_beta 12", "-a_b_vdw_beta 12: must be below -a_b_vdw_alpha"},
+      {"-kinds a,b -b_b_vdw_alpha 9", "kinds a and b have different exponents"},
       {"-kinds a,b -hertz_stiffness 9", "-hertz_stiffness is not used by this run"},
       {"-kinds a,b -b_fibre_young x", "-b_fibre_young"},
       {"-pair_cutoff 50 -pair_gap_cutoff 40", "give one of the two"},

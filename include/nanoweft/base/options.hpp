@@ -121,6 +121,10 @@ class OptionPrefix {
   std::string before_;
 };
 
+/// Do names of PETSc's own options begin with this word and an underscore (-draw_...)? Those are
+/// never counted as unknown.
+bool beginsPetscOptions(const std::string& word);
+
 class OptionSection {
  public:
   OptionSection(Options& options, std::string title, bool active = true, std::string reason = "");

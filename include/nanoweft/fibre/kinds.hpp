@@ -14,14 +14,16 @@ namespace nanoweft {
 class Kinds {
  public:
   Kinds() = default;
-  Kinds(const Fibre& only) : fibres_{only} {}
-  explicit Kinds(std::vector<Fibre> fibres) : fibres_(std::move(fibres)) {}
+  Kinds(const Fibre& only) : Kinds(std::vector<Fibre>{only}) {}
+  explicit Kinds(std::vector<Fibre> fibres);
 
   int count() const { return static_cast<int>(fibres_.size()); }
   bool several() const { return fibres_.size() > 1; }
   /// Is any of them at rest in another shape than straight?
   bool curved() const;
   bool kinks() const;
+  /// Half of the rotation from a segment to its successor at rest.
+  const Quatd& restHalf(int kind) const { return restHalves_[static_cast<std::size_t>(kind)]; }
   const Fibre& operator[](int kind) const { return fibres_[static_cast<std::size_t>(kind)]; }
   auto begin() const { return fibres_.begin(); }
   auto end() const { return fibres_.end(); }
@@ -40,6 +42,7 @@ class Kinds {
 
  private:
   std::vector<Fibre> fibres_;
+  std::vector<Quatd> restHalves_;
 };
 
 /// Reads -kinds, and -fibre_... of each kind: with its name as prefix, else those meant for all.

@@ -21,7 +21,7 @@ struct Tension {
   std::optional<std::array<double, 2>> ends;  ///< of the piece; empty: its outermost segments
   double maxStrain = 0;
   double width = 0;      ///< of the fabric at the start; 0: measured
-  double thickness = 0;  ///< for the stress
+  double thickness = 0;  ///< for the stress; 0: not known
   double gage = 0;       ///< distance between the grips at the start
   double start = 0;      ///< time of the start of this stage
   double before = 0;     ///< strain at that time, reached in earlier stages

@@ -16,8 +16,7 @@ namespace nanoweft {
 /// h of the bond from segment i to its successor.
 inline Quatd restHalfOf(const State& state, const Kinds& kinds, int i) {
   if (const double* h = state.restHalf) return {h[4 * i], h[4 * i + 1], h[4 * i + 2], h[4 * i + 3]};
-  const Fibre& fibre = kinds[state.kind(i)];
-  return fibre.curved() ? rotation(0.5 * fibre.restRotation()) : Quatd{1, 0, 0, 0};
+  return kinds.restHalf(state.kind(i));
 }
 
 /// Turns the frames of a bond into those that are equal at rest.
