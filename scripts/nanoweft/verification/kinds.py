@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import states, tables
 from ..rotations import rotation_about
-from .common import in_plane, new_folder, relative, simulate, write_state
+from .common import Row, in_plane, new_folder, relative, simulate, write_state
 from .tubes import CUTOFF, RF, T, best, law
 
 FAMILY = "kinds"
@@ -26,7 +26,7 @@ class Tube(NamedTuple):
 
 
 THIN = Tube(RF, T)
-# The (20,20) tube, and solid fibres up to a hundred times as thick as the (10,10) tube.
+# The (20,20) tube, and others up to a hundred times as thick as the (10,10) tube.
 DOUBLE, TEN, HUNDRED = Tube(2 * RF, 2 * T), Tube(10 * RF, 10 * T), Tube(100 * RF, 100 * T)
 PAIRS = {"(10,10), (10,10)": (THIN, THIN), "(10,10), (20,20)": (THIN, DOUBLE),
          "1 : 10": (THIN, TEN), "1 : 100": (THIN, HUNDRED), "2 : 10": (DOUBLE, TEN)}
@@ -69,11 +69,12 @@ def row_of(tube, start, reach, axis=0, slide=0.3):
 
 def points(a, b):
     """Options for points 2 A apart, or as many as there may be."""
-    return "".join(f" -{kind}_pair_points {min(99, math.ceil(tube.T / 2))}" for kind, tube in zip("ab", (a, b)))
+    return "".join(f" -{kind}_pair_points {min(99, math.ceil(tube.T / 2))}"
+                   for kind, tube in zip("ab", (a, b)))
 
 
-def evaluate(folder, tubes, fibres, options=""):
-    """The program's state, with forces, and pair energy of two fibres of two kinds a, b."""
+def evaluate(folder, tubes, fibres, options="", steps="-ts_max_steps 0"):
+    """The program's state, with forces, and first pair energy, of two fibres of two kinds a, b."""
     x = np.concatenate([fibre[0] for fibre in fibres])
     state = states.of_fibres(fibres, x.min(0) - 200 - tubes[1].T, x.max(0) + 200 + tubes[1].T)
     states.write(folder / "in.h5", states.of_kinds(state, ("a", "b"), (0, 1)))
@@ -81,9 +82,9 @@ def evaluate(folder, tubes, fibres, options=""):
         options += (f" -{kind}_fibre_radius {tube.radius!r} -{kind}_fibre_density 2000"
                     f" -{kind}_fibre_segment_length {tube.T!r}")
     (folder / "energy.csv").unlink(missing_ok=True)
-    simulate(folder.name, "-scene file -scene_file {dir}/in.h5 -kinds a,b -ts_max_steps 0 "
+    simulate(folder.name, "-scene file -scene_file {dir}/in.h5 -kinds a,b "
              "-state_output {dir}/out.h5 -state_forces -energy_monitor ascii:{dir}/energy.csv"
-             + options)
+             + f" {steps} {options}")
     return states.read(folder / "out.h5"), tables.read(folder / "energy.csv")["pair"][0]
 
 
@@ -131,7 +132,8 @@ def crossing():
         state, found = evaluate(new_folder(f"kinds_crossing_{k}"), (a, b), fibres, points(a, b))
         pushed = state["force"][state["fibre"] == 1, 2].sum()
         rows += [relative(FAMILY, f"crossing, eV, {name}: 2 pi int w r dr", energy, found, *FINE),
-                 relative(FAMILY, f"crossing, force, eV/A, {name}: 2 pi d w(d)", force, pushed, *FINE)]
+                 relative(FAMILY, f"crossing, force, eV/A, {name}: 2 pi d w(d)", force, pushed,
+                          *FINE)]
     return rows
 
 
@@ -147,5 +149,23 @@ def one_fibre():
                      tables.read(folder / "one.csv")["pair"][0], energy, 1e-12, "round-off of the sums")]
 
 
+def motion():
+    """A thin fibre let go 0.3 A beyond its resting distance from one a hundred times as thick, undamped."""
+    where = best(lambda d: along(THIN, HUNDRED, d), 101 * RF + 2, 101 * RF + 4)[0]
+    fibres = row_of(THIN, (0, 0, 0), 8 * T), row_of(HUNDRED, (0, where + 0.3, 0), 8 * T)
+    spread = []
+    for dt in (20, 10):
+        folder = new_folder(f"kinds_motion_{dt}")
+        evaluate(folder, (THIN, HUNDRED), fibres,
+                 steps=f"-ts_max_steps {4000 // dt} -ts_dt {dt} -monitor_interval {40 // dt}")
+        table = tables.read(folder / "energy.csv")
+        spread.append(np.ptp(table.balance) / table.motion.max())
+    rate = math.log2(spread[0] / spread[1])
+    return [Row(FAMILY, "1 : 100 in motion, undamped: spread of the energy over its motion, 10 fs", 0.0,
+                spread[1], spread[1], 1e-2, "second order in the step"),
+            Row(FAMILY, "1 : 100 in motion, undamped: order in the step", 2.0, rate, abs(rate - 2), 0.3,
+                "terms of fourth order")]
+
+
 CHECKS = {"kinds_adhesion": adhesion, "kinds_cut": cut, "kinds_crossing": crossing,
-          "kinds_one": one_fibre}
+          "kinds_one": one_fibre, "kinds_motion": motion}
