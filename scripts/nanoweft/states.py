@@ -291,6 +291,12 @@ def write(name: Path, state: State) -> None:
             group["fibre_closed"] = state.closed
 
 
+def link(name: Path, ends: ArrayLike) -> None:
+    """Adds links to a state file made by hand: fibre and index of both ends, [L,2,2]."""
+    with h5py.File(name, "r+") as file:
+        file.create_group("link")["segments"] = np.asarray(ends, np.int64)
+
+
 def turn_back(name: Path) -> None:
     """Reverses all velocities in a state file, which then is one made by hand."""
     state = read(name)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "nanoweft/app/accounts_record.hpp"
 #include "nanoweft/app/provenance.hpp"
@@ -18,6 +19,32 @@ namespace {
 
 /// With fewer segments a thread waits longer for the others than it works.
 constexpr std::int64_t segmentsPerThread = 1500;
+
+/// For each kind eight numbers, as RunParts::fingerprint.
+std::vector<double> numbersOf(const Kinds& kinds) {
+  std::vector<double> numbers;
+  for (const Fibre& f : kinds)
+    numbers.insert(numbers.end(), {f.radius, f.length, f.mass, f.inertia, f.bond.stretch,
+                                   f.bond.shear, f.bond.bending, f.bond.torsion});
+  return numbers;
+}
+
+/// For each kind three numbers, as RunParts::restShapes.
+std::vector<double> shapesOf(const Kinds& kinds) {
+  std::vector<double> numbers;
+  if (!kinds.curved()) return numbers;
+  for (const Fibre& f : kinds) numbers.insert(numbers.end(), {f.rest.x, f.rest.y, f.rest.z});
+  return numbers;
+}
+
+/// The kinds of those names, in their order; all as they are where the names do not fit.
+Kinds inOrder(const Kinds& kinds, const std::vector<std::string>& names) {
+  std::vector<Fibre> fibres;
+  for (const std::string& name : names)
+    for (const Fibre& f : kinds)
+      if (f.kind == name) fibres.push_back(f);
+  return static_cast<int>(fibres.size()) == kinds.count() ? Kinds(std::move(fibres)) : kinds;
+}
 
 std::vector<double> restShapesOf(const RunRecord& record) {
   const auto it = record.reals.find("rest_shapes");
@@ -88,9 +115,10 @@ void RunParts::checkStart() {
   const StateHeader* file = plan->scene->header();
   const Box own = plan->scene->box();
   bool evolved = false;
+  const Kinds theirs = inOrder(plan->kinds, file ? file->kinds : std::vector<std::string>());
   if (file)
     if (const auto it = file->run.reals.find("fibre"); it != file->run.reals.end())
-      evolved = it->second == fingerprint() && restShapesOf(file->run) == restShapes() &&
+      evolved = it->second == numbersOf(theirs) && restShapesOf(file->run) == shapesOf(theirs) &&
                 own.lower == plan->box.lower && own.upper == plan->box.upper &&
                 own.periodic == plan->box.periodic;
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
@@ -213,18 +241,11 @@ void RunParts::chooseStep() {
 }
 
 std::vector<double> RunParts::restShapes() const {
-  std::vector<double> numbers;
-  if (!plan->kinds.curved()) return numbers;
-  for (const Fibre& f : plan->kinds) numbers.insert(numbers.end(), {f.rest.x, f.rest.y, f.rest.z});
-  return numbers;
+  return shapesOf(plan->kinds);
 }
 
 std::vector<double> RunParts::fingerprint() const {
-  std::vector<double> numbers;
-  for (const Fibre& f : plan->kinds)
-    numbers.insert(numbers.end(), {f.radius, f.length, f.mass, f.inertia, f.bond.stretch,
-                                   f.bond.shear, f.bond.bending, f.bond.torsion});
-  return numbers;
+  return numbersOf(plan->kinds);
 }
 
 }  // namespace nanoweft

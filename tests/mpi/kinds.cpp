@@ -121,6 +121,24 @@ TEST(KindsInOneRun, TheSkinOfTheListsChangesNoByte) {
   }
 }
 
+TEST(KindsInOneRun, AStateThatARunHasStrainedGoesOnWithItsKindsInAnyOrder) {
+  const Folder folder;
+  auto outcome = run(folder, weave + "-tension_rate 2e-5 -tension_ramp 1000 -tension_grip 60 "
+                                     "-tension_thickness 30 -tension_max_strain 0.2 -state_output "
+                                     "in.h5 -thick_break_strain_mean 0.5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string from =
+      "-scene file -scene_file in.h5 -thick_fibre_radius 13.56 -thick_fibre_density 2273 "
+      "-ts_max_steps 2 -ts_dt 5 -progress_interval 0 ";
+  for (const char* kinds : {"-kinds thin,thick", "-kinds thick,thin"}) {
+    outcome = run(folder, from + kinds, 2);
+    EXPECT_EQ(outcome.status, 0) << kinds << outcome.output;
+  }
+  // With another material the strain is no longer the run's own.
+  expectRefused(run(folder, from + "-kinds thin,thick -thin_fibre_young 900", 2),
+                {"cannot be meant"});
+}
+
 /// A run's final state as the input of another.
 TEST(KindsInOneRun, NamesInTheFileSayWhichKindsAreMeant) {
   const Folder folder;

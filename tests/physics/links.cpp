@@ -81,9 +81,9 @@ struct Ladder {
   double exact() const {
     const double L = length(), d = apart, P = force(), K = rung / (d * d) / (every * T);
     const double a = std::sqrt(K * (2 / ES + d * d / (2 * EJ))), b = K * d / (2 * EJ * a * a);
-    const double B = b * P / a, A = -B * std::tanh(a * L);
-    const double cosh = (std::cosh(a * L) - 1) / (a * a), sinh = std::sinh(a * L) / (a * a) - L / a;
-    return (P * (1 - b * d) * L * L * L / 3 - d * (A * cosh + B * sinh)) / (2 * EJ);
+    // The integral of (L - x) N with N = b M + A cosh(a x) + B sinh(a x).
+    const double tail = b * P / a * (std::tanh(a * L) / (a * a) - L / a);
+    return (P * (1 - b * d) * L * L * L / 3 - d * tail) / (2 * EJ);
   }
 };
 
