@@ -208,6 +208,22 @@ class Package(FolderTest):
         lower, upper = state["position"].min(axis=0), state["position"].max(axis=0)
         self.assertTrue((state.lower < lower - THICK).all() and (state.upper > upper + THICK).all())
 
+    def test_strands_lie_between_thick_fibres_without_overlap(self):
+        state = generators.composite(generators.Plies(warp=2, weft=6, segments=4, strand=7))
+        # One strand under, between and over the two plies.
+        np.testing.assert_array_equal(np.bincount(state["kind"][state["index"] == 0]), [12 + 21, 4])
+        radii = np.array([THIN, THICK])
+        least = (self.distances(state) - radii[:, None] - radii).min()
+        self.assertGreater(least, generators.GAP - 1e-6)
+
+    def test_a_state_at_rest_turns_from_each_segment_to_the_next(self):
+        x = np.cumsum([(np.cos(0.1 * k), 0, np.sin(0.1 * k)) for k in range(9)], axis=0)
+        q = rotations.along(x)
+        state = states.at_rest(states.of_fibres([(x, q), (x + 50, q)], [-99] * 3, [99] * 3))
+        rest = state["rest_rotation"].reshape(2, 9, 3)
+        np.testing.assert_allclose(np.linalg.norm(rest[:, 1:7], axis=2), 0.1, rtol=1e-9)
+        np.testing.assert_array_equal(rest[:, 8], 0)
+
     def test_a_composite_follows_from_its_seed(self):
         first, again, other = (generators.composite(generators.Plies(seed=seed))
                                for seed in (1, 1, 2))
@@ -237,5 +253,5 @@ class Package(FolderTest):
 if __name__ == "__main__":
     scripts = sys.argv[1]
     sys.path.insert(0, scripts)
-    from nanoweft import generators, states  # noqa: E402
+    from nanoweft import generators, rotations, states  # noqa: E402
     unittest.main(argv=sys.argv[:1])
