@@ -123,9 +123,10 @@ TEST(KindsInOneRun, TheSkinOfTheListsChangesNoByte) {
 
 TEST(KindsInOneRun, AStateThatARunHasStrainedGoesOnWithItsKindsInAnyOrder) {
   const Folder folder;
-  auto outcome = run(folder, weave + "-tension_rate 2e-5 -tension_ramp 1000 -tension_grip 60 "
-                                     "-tension_thickness 30 -tension_max_strain 0.2 -state_output "
-                                     "in.h5 -thick_break_strain_mean 0.5");
+  auto outcome = run(folder, weave +
+                                 "-tension_rate 2e-5 -tension_ramp 1000 -tension_grip 60 "
+                                 "-tension_thickness 30 -tension_max_strain 0.2 -state_output "
+                                 "in.h5 -thick_break_strain_mean 0.5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const std::string from =
       "-scene file -scene_file in.h5 -thick_fibre_radius 13.56 -thick_fibre_density 2273 "
