@@ -385,8 +385,17 @@ std::vector<Case> some() {
   return chosen;
 }
 
+/// Every third case, for four ranks: all refusals take the same way there.
+std::vector<Case> thirds() {
+  std::vector<Case> chosen;
+  for (std::size_t k = 0; k < std::size(cases); k += 3) chosen.push_back(cases[k]);
+  return chosen;
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, BadInput,
-                         testing::Combine(testing::ValuesIn(cases), testing::Values(1, 4)),
+                         testing::Combine(testing::ValuesIn(cases), testing::Values(1)), caseName);
+INSTANTIATE_TEST_SUITE_P(Thirds, BadInput,
+                         testing::Combine(testing::ValuesIn(thirds()), testing::Values(4)),
                          caseName);
 INSTANTIATE_TEST_SUITE_P(Some, BadInput,
                          testing::Combine(testing::ValuesIn(some()), testing::Values(2)), caseName);
