@@ -110,6 +110,15 @@ void ForceField::clear(State& state, std::size_t thread) const {
   std::fill(state.torque + 3 * share.begin, state.torque + 3 * share.end, 0.0);
 }
 
+void ForceField::addOuterBonds(State& state, Tallies& tallies) {
+  const LogScope log(bondEvent_);
+  if (state.ranks() > 1)
+    onShares(shares().size(), [&](std::size_t t) { addBonds(state, t, BondList::outer, tallies); });
+  if (state.linked)
+    links_.add(state, nearest_, tallies.request.energies, tallies.request.mayBreak,
+               tallies.bonds[0]);
+}
+
 ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
   const auto threads = shares().size();
   const bool pairs = static_cast<bool>(settings_.pairs);
@@ -153,14 +162,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     halo.refreshEnd(state);
   }
   waited = MPI_Wtime() - waited;
-  if (state.ranks() > 1) {
-    const LogScope log(bondEvent_);
-    onShares(threads, [&](std::size_t t) { addBonds(state, t, BondList::outer, tallies); });
-  }
-  if (state.linked) {
-    const LogScope log(bondEvent_);
-    links_.add(state, nearest_, request.energies, request.mayBreak, tallies.bonds[0]);
-  }
+  addOuterBonds(state, tallies);
   if (pairs) {
     const LogScope log(pairEvent_);
     onShares(threads, [&](std::size_t t) {

@@ -69,6 +69,8 @@ class ForceField {
   PairJob pairJob(const State& state, std::size_t thread, bool viscous);
   void addPairs(const State& state, std::size_t thread, bool outer, Tallies& tallies);
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);
+  /// Adds the bonds with a ghost, and the links.
+  void addOuterBonds(State& state, Tallies& tallies);
   void clear(State& state, std::size_t thread) const;
   /// Adds the summed pair forces on segments begin <= i < end to State::force and torque.
   void handOver(State& state, std::int32_t begin, std::int32_t end);
