@@ -46,6 +46,11 @@ Kinds inOrder(const Kinds& kinds, const std::vector<std::string>& names) {
   return static_cast<int>(fibres.size()) == kinds.count() ? Kinds(std::move(fibres)) : kinds;
 }
 
+std::vector<double> linkNumbersOf(const LinkLaw& law) {
+  return {law.spring ? 1.0 : 0.0, law.bond.stretch, law.bond.shear, law.bond.bending,
+          law.bond.torsion};
+}
+
 std::vector<double> restShapesOf(const RunRecord& record) {
   const auto it = record.reals.find("rest_shapes");
   return it == record.reals.end() ? std::vector<double>() : it->second;
@@ -122,6 +127,12 @@ void RunParts::checkStart() {
                 own.lower == plan->box.lower && own.upper == plan->box.upper &&
                 own.periodic == plan->box.periodic;
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
+  if (file)
+    if (const auto it = file->run.reals.find("links");
+        it != file->run.reals.end() && it->second != linkNumbersOf(plan->links))
+      warnings.push_back(
+          "the run that left the state had links of another kind (-link_law, -link_stretch, "
+          "-link_stiffness); their rest is that of the file");
   for (const StartFinding& finding : lookAtStart(
            *state,
            {plan->units, plan->kinds, own, plan->scene->asked(), file != nullptr, evolved})) {
@@ -242,6 +253,10 @@ void RunParts::chooseStep() {
 
 std::vector<double> RunParts::restShapes() const {
   return shapesOf(plan->kinds);
+}
+
+std::vector<double> RunParts::linkNumbers() const {
+  return state->linked ? linkNumbersOf(plan->links) : std::vector<double>();
 }
 
 std::vector<double> RunParts::fingerprint() const {

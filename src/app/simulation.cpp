@@ -187,6 +187,7 @@ RunRecord Simulation::stageRecord(const char* purpose) const {
   record.reals["fibre"] = parts_->fingerprint();
   if (const auto shapes = parts_->restShapes(); !shapes.empty())
     record.reals["rest_shapes"] = shapes;
+  if (const auto links = parts_->linkNumbers(); !links.empty()) record.reals["links"] = links;
   system_.boundaries.save(record, system_.state.time);
   for (const auto& observer : observers_) observer->saveStage(record);
   return record;

@@ -222,21 +222,37 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
                           : with(Laws{one, StraightRest{}, NoKink{}});
 }
 
+void BondList::breakBond(State& state, const Terms& terms, Share share, Entry& entry,
+                         BondTally& tally) {
+  auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };
+  tally.someBroke = true;
+  if (mine(entry.i)) {
+    const Fibre& fibre = terms.kinds[state.kind(entry.i)];
+    const auto u =
+        fibre.bondEnergy(bondGeometry(state, terms.kinds, terms.nearest, entry.i, entry.j));
+    tally.released.add(u.total(), tally.energyUnit);
+    tally.broken.push_back(state.row[entry.i]);
+    state.bond[entry.i] |= nextBroken;
+  }
+  if (mine(entry.j)) state.bond[entry.j] |= previousBroken;
+  entry.i = -1;
+}
+
 template <class Laws>
 void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share share,
                        const Stretch& stretch, BondTally& tally) {
   const auto& [kinds, nearest, energies, mayBreak] = terms;
-  auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };
   const std::span<Entry> bonds = stretch.bonds;
   BondScatter scatter(state, share);
   for (std::size_t first = 0; first < bonds.size(); first += laneCount) {
     const int used = static_cast<int>(std::min<std::size_t>(laneCount, bonds.size() - first));
     std::int32_t i[laneCount], j[laneCount];
     // Prefetch: segments are stored cell by cell, so those of the next bonds may lie anywhere.
-    const Entry* const coming = bonds.data() + first + 32;
-    if (coming + laneCount <= stretch.listEnd)
-      for (std::size_t k = 0; k < laneCount; ++k) {
-        const auto next = static_cast<std::size_t>(coming[k].j);
+    constexpr std::ptrdiff_t ahead = 32;
+    const Entry* const now = bonds.data() + first;
+    if (stretch.listEnd - now >= ahead + laneCount)
+      for (std::ptrdiff_t k = ahead; k < ahead + laneCount; ++k) {
+        const auto next = static_cast<std::size_t>(now[k].j);
         __builtin_prefetch(state.pose + 8 * next);
         __builtin_prefetch(state.force + 3 * next, 1);
         __builtin_prefetch(state.torque + 3 * next, 1);
@@ -272,21 +288,12 @@ void BondList::addWith(const Laws& laws, State& state, const Terms& terms, Share
         const EvmBond& own = laws.law.of(state, i[k]);
         const double strain = (bond.length[lane] - own.length) / own.length;
         if (strain > entry.critical) {
-          tally.someBroke = true;
-          if (mine(i[k])) {
-            const auto u =
-                kinds[state.kind(i[k])].bondEnergy(bondGeometry(state, kinds, nearest, i[k], j[k]));
-            tally.released.add(u.total(), tally.energyUnit);
-            tally.broken.push_back(state.row[i[k]]);
-            state.bond[i[k]] |= nextBroken;
-          }
-          if (mine(j[k])) state.bond[j[k]] |= previousBroken;
-          entry.i = -1;
+          breakBond(state, terms, share, entry, tally);
           continue;
         }
       }
       scatter.add(i[k], j[k], __builtin_bit_cast(Reals, onI[k]), __builtin_bit_cast(Reals, onJ[k]));
-      if (energies && mine(i[k])) {
+      if (energies && i[k] >= share.begin && i[k] < share.end) {
         tally.stretch.add(energy.stretch[lane], tally.energyUnit);
         tally.shear.add(energy.shear[lane], tally.energyUnit);
         tally.bending.add(energy.bending[lane], tally.energyUnit);

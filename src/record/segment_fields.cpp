@@ -43,6 +43,25 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
   set(torsion, sum.torsion);
 }
 
+/// Half of a link's energies belongs to each end, as with bonds.
+void addLinkFields(const State& state, const ForceField& forces,
+                   std::vector<SegmentField>& fields) {
+  for (std::size_t k = 0; k < state.links.size(); ++k) {
+    if (state.links[k].broken) continue;
+    const auto u = forces.links().resolve(state, forces.nearest(), k).energy;
+    for (const int i : forces.links().ends(k)) {
+      if (i >= state.owned()) continue;
+      auto add = [&](Place place, double value) {
+        fields[place].values[static_cast<std::size_t>(i)] += static_cast<float>(0.5 * value);
+      };
+      add(stretch, u.stretch);
+      add(shear, u.shear);
+      add(bending, u.bending);
+      add(torsion, u.torsion);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<SegmentField> segmentFields(const State& state, const Domain& domain,
@@ -63,6 +82,7 @@ std::vector<SegmentField> segmentFields(const State& state, const Domain& domain
           pairEnergy[static_cast<std::size_t>(k)].add(half, unit);
     });
   }
+  addLinkFields(state, forces, fields);
   for (std::size_t i = 0; i < pairEnergy.size(); ++i)
     fields[pair].values[i] = static_cast<float>(pairEnergy[i].value(unit));
   return fields;

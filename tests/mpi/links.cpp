@@ -114,6 +114,53 @@ TEST(Links, AreBornUnstressedAndSpringsTurnFreely) {
   }
 }
 
+TEST(Links, OfALaterStageAreThoseOfTheFileAndAnotherLawIsSaid) {
+  const Folder folder;
+  makeLinked(folder);
+  const std::string law = "-link_law spring -link_stretch 3 ",
+                    first =
+                        "-scene file -scene_file in.h5 -ts_max_steps 60 -progress_interval 0 "
+                        "-damping_local 0.2 -state_output a.h5 ",
+                    next = "-scene file -scene_file a.h5 -ts_max_steps 2 -progress_interval 0 ";
+  auto outcome = run(folder, first + law, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(folder, next + law, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(outcome.output.find("warning: the run that left"), std::string::npos) << outcome.output;
+  outcome = run(folder, next, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("warning: the run that left the state had links of another kind"),
+            std::string::npos)
+      << outcome.output;
+}
+
+TEST(Links, TieFarSegmentsOnAnyRanksWithoutPairForces) {
+  // Three fibres far apart: no list range brings them together, only the links do.
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 0, 0}, 12), straightFibre({0, 400, 0}, {1, 0, 0}, 12),
+              straightFibre({900, 0, 300}, {0, 1, 0}, 12)});
+  setLinks(folder / "in.h5", {{0, 3, 1, 8}, {1, 2, 2, 11}, {2, 0, 0, 0}});
+  const std::string options =
+      "-scene file -scene_file in.h5 -pair none -scene_perturb 0.3 -ts_max_steps 200 "
+      "-link_law spring -link_stretch 1 -progress_interval 0 -snapshot_file s -snapshot_interval "
+      "200 -energy_monitor ascii:e.csv -overwrite ";
+  auto outcome = run(folder, options, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string alone = readFile(folder / "s_0000000200.h5");
+  // The fields of the segments add up to the table, links included.
+  const auto fields = readDataset(folder / "s_0000000200.h5", "/field/stretch_energy");
+  double stretch = 0;
+  for (const double e : fields) stretch += e;
+  const double table = readCsv(folder / "e.csv").at("stretch").back();
+  EXPECT_NEAR(stretch / table, 1.0, 1e-5);
+  for (const int ranks : {2, 3}) {
+    outcome = run(folder, options, ranks);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(readFile(folder / "s_0000000200.h5") == alone) << ranks;
+  }
+}
+
 TEST(Links, WrongOnesAreRefusedWithTheirNumber) {
   const std::string start = "-scene file -scene_file in.h5 -ts_max_steps 2 ";
   const struct {

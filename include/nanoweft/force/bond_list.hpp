@@ -64,6 +64,9 @@ class BondList {
     std::span<Entry> bonds;
     const Entry* listEnd;  ///< the thread prefetches segments of bonds up to here
   };
+  /// Marks a bond as broken and books its energy, each for the thread that owns the segment.
+  static void breakBond(State& state, const Terms& terms, Share share, Entry& entry,
+                        BondTally& tally);
   static void dropBroken(std::vector<Entry>& bonds, BondTally& tally);
   void add(State& state, const Terms& terms, Share share, std::vector<Entry>& bonds,
            std::size_t first, std::size_t last, BondTally& tally);
