@@ -46,6 +46,12 @@ void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
   if (f.kinks())
     PetscPrintf(comm, "  %skinks at an angle of %.4g rad between neighbours\n", ofKind(f).c_str(),
                 2.0 * std::asin(0.5 * f.kink.angle));
+  if (f.viscosity)
+    PetscPrintf(comm, "  %sinternal viscosity: retardation times up to %g %s\n", ofKind(f).c_str(),
+                f.retardation, units.time);
+  if (f.yield)
+    PetscPrintf(comm, "  %sflows beyond a strain of %.4g and an angle of %.4g rad a bond\n",
+                ofKind(f).c_str(), f.yield.stretch / f.length, f.yield.angle);
   if (!f.curved()) return;
   const std::string shape = format("  %srest shape: twist %g, curvature %g and %g 1/%s\n",
                                    ofKind(f).c_str(), f.rest.x, f.rest.y, f.rest.z, units.length);

@@ -12,6 +12,7 @@
 #include "nanoweft/force/make_links.hpp"
 #include "nanoweft/motion/breakage.hpp"
 #include "nanoweft/scene/start_check.hpp"
+#include "nanoweft/state/rest.hpp"
 
 namespace nanoweft {
 
@@ -44,6 +45,11 @@ Kinds inOrder(const Kinds& kinds, const std::vector<std::string>& names) {
     for (const Fibre& f : kinds)
       if (f.kind == name) fibres.push_back(f);
   return static_cast<int>(fibres.size()) == kinds.count() ? Kinds(std::move(fibres)) : kinds;
+}
+
+/// Gives each bond the rest rotation of its kind.
+void takeRestOfKinds(State& state, const Kinds& kinds) {
+  for (int i = 0; i < state.owned(); ++i) setRest(state, i, kinds[state.kind(i)].restRotation());
 }
 
 std::vector<double> linkNumbersOf(const LinkLaw& law) {
@@ -86,13 +92,20 @@ void RunParts::fillState() {
   const UnitSystem& units = plan->units;
   ExtraFields extras;
   extras.gap = plan->breaks() && forces->pairs();
-  extras.rest = plan->checkpoint ? plan->checkpoint->parts.contains("rest_rotation")
-                                 : plan->scene->shapesRest();
-  if (extras.rest && plan->kinds.curved())
+  auto startHas = [&](const char* part) {
+    const StateHeader* header = plan->startHeader();
+    return header && header->parts.contains(part);
+  };
+  const bool flows = plan->kinds.yields();
+  const bool shaped = startHas("rest_rotation") || (plan->scene && plan->scene->shapesRest());
+  extras.rest = flows || shaped;
+  extras.extension = flows || startHas("rest_extension");
+  if (!plan->checkpoint && shaped && plan->kinds.curved())
     throw InputError(
         "-fibre_rest_curvature, -fibre_rest_twist: not used by this run, whose bonds have rest "
         "rotations of their own (-weave_rest shaped, or rest_rotation in the state file)");
-  extras.viscous = static_cast<bool>(plan->settings.viscous);
+  extras.viscous =
+      plan->settings.viscous || (plan->kinds.viscous() && !plan->settings.stepper->minimises);
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();
   if (plan->checkpoint) {
@@ -100,6 +113,7 @@ void RunParts::fillState() {
     readStateRows(plan->restart, *plan->checkpoint, *state);
   } else {
     plan->scene->fill(*state);
+    if (flows && plan->kinds.curved()) takeRestOfKinds(*state, plan->kinds);
   }
   requireWideBox(plan->box, 1.5 * plan->kinds.longest(), units.length);
   // Checked first: a bad start would fail later checks, too, and those would name another cause.

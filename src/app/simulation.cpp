@@ -85,6 +85,7 @@ void Simulation::step() {
   DriftReport drift;
   {
     const LogScope log(driftEvent_);
+    system_.accounts.damped.merge(system_.forces.flow(system_.state));
     drift = parts_->stepper->move(system_);
   }
   energies_.reset();

@@ -62,6 +62,14 @@ bool Kinds::kinks() const {
   return std::ranges::any_of(fibres_, &Fibre::kinks);
 }
 
+bool Kinds::viscous() const {
+  return std::ranges::any_of(fibres_, [](const Fibre& f) { return bool(f.viscosity); });
+}
+
+bool Kinds::yields() const {
+  return std::ranges::any_of(fibres_, [](const Fibre& f) { return bool(f.yield); });
+}
+
 double Kinds::shortest() const {
   return std::ranges::min_element(fibres_, {}, &Fibre::length)->length;
 }

@@ -1,5 +1,6 @@
 #include "nanoweft/fibre/material.hpp"
 
+#include <algorithm>
 #include <numbers>
 #include <vector>
 
@@ -104,7 +105,41 @@ void readKink(OptionSection& s, const UnitSystem& units, Fibre& f) {
   if (!curvature) return;
   // |e1_i - e1_j| of two axes that are turned by T times the curvature.
   f.kink.angle = 2.0 * std::sin(0.5 * std::min(*curvature * f.length, 3.0));
-  f.kink.taken = (1.0 - residual) * (0.25 * f.bond.shear + f.bond.bending + 0.5 * f.bond.torsion);
+  f.kink.taken = (1.0 - residual) * f.bendingOfBond();
+}
+
+/// What -fibre_retardation gives the bond's four stiffnesses. Bending has that of both ends turned
+/// against each other.
+void readViscosity(OptionSection& s, const UnitSystem& units, Fibre& f) {
+  const auto all = s.maybeReal("fibre_retardation", "none", units.time,
+                               "internal viscosity: each stiffness of a bond has a dashpot of this "
+                               "retardation time beside it",
+                               nonNegative);
+  const auto each = s.reals("fibre_retardation_each", 4, "none", units.time,
+                            "the same, a time for each of stretch, shear, bending, torsion");
+  if (all && each)
+    throw InputError("-fibre_retardation, -fibre_retardation_each: give one of the two");
+  const double t = all.value_or(0.0);
+  const std::vector<double> times = each.value_or(std::vector<double>{t, t, t, t});
+  for (const double time : times)
+    if (!(time >= 0))
+      throw InputError(
+          format("-fibre_retardation_each: a time is %g; it must not be negative", time));
+  f.retardation = std::ranges::max(times);
+  f.viscosity = {times[0] * f.bond.stretch, times[1] * f.bond.shear, times[2] * f.bendingOfBond(),
+                 times[3] * f.bond.torsion};
+}
+
+void readYield(OptionSection& s, const UnitSystem& units, Fibre& f) {
+  const std::string perLength = std::string("1/") + units.length;
+  if (const auto strain =
+          s.maybeReal("fibre_yield_strain", "none", "",
+                      "elastic strain beyond which the fibre flows plastically", positive))
+    f.yield.stretch = *strain * f.length;
+  const auto curvature =
+      s.maybeReal("fibre_yield_curvature", "none", perLength.c_str(),
+                  "elastic curvature beyond which the fibre flows plastically", positive);
+  if (curvature) f.yield.angle = *curvature * f.length;
 }
 
 }  // namespace
@@ -139,8 +174,10 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
   }
   readRestShape(s, units, f);
   readKink(s, units, f);
+  readViscosity(s, units, f);
+  readYield(s, units, f);
   if (f.radius != preset.radius) f.sheet = 0;
-  if (whatTheStepDependsOn(f) != whatTheStepDependsOn(preset)) f.step = 0;
+  if (whatTheStepDependsOn(f) != whatTheStepDependsOn(preset) || f.viscosity) f.step = 0;
   return f;
 }
 

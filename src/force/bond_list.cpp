@@ -106,7 +106,8 @@ struct OneLaw {
   const EvmBond& of(const State&, std::int32_t) const { return kinds[0].bond; }
 };
 
-/// The bonds' laws where segments have kinds: in each lane that of its first segment.
+/// The bonds' laws where segments have kinds, or rest lengths of their own: in each lane that of
+/// its first segment.
 struct LawByKind {
   const Kinds& kinds;
 
@@ -114,7 +115,7 @@ struct LawByKind {
     double numbers[5][laneCount];
     for (int k = 0; k < laneCount; ++k) {
       const EvmBond& law = of(state, i[k]);
-      numbers[0][k] = law.length;
+      numbers[0][k] = state.extension ? law.length + state.extension[i[k]] : law.length;
       numbers[1][k] = law.stretch;
       numbers[2][k] = law.shear;
       numbers[3][k] = law.bending;
@@ -212,7 +213,7 @@ void BondList::add(State& state, const Terms& terms, Share share, std::vector<En
   const OneLaw one{terms.kinds};
   const LawByKind byKind{terms.kinds};
   const CurvedRest curved{terms.kinds};
-  if (terms.kinds.kinks())
+  if (terms.kinds.kinks() || state.extension)
     with(Laws{byKind, curved, KinkByKind{terms.kinds}});
   else if (state.restHalf || terms.kinds.curved())
     terms.kinds.several() ? with(Laws{byKind, curved, NoKink{}})
@@ -227,9 +228,8 @@ void BondList::breakBond(State& state, const Terms& terms, Share share, Entry& e
   auto mine = [&](std::int32_t i) { return i >= share.begin && i < share.end; };
   tally.someBroke = true;
   if (mine(entry.i)) {
-    const Fibre& fibre = terms.kinds[state.kind(entry.i)];
-    const auto u =
-        fibre.bondEnergy(bondGeometry(state, terms.kinds, terms.nearest, entry.i, entry.j));
+    const auto u = bondEnergy(state, terms.kinds, entry.i,
+                              bondGeometry(state, terms.kinds, terms.nearest, entry.i, entry.j));
     tally.released.add(u.total(), tally.energyUnit);
     tally.broken.push_back(state.row[entry.i]);
     state.bond[entry.i] |= nextBroken;

@@ -8,13 +8,15 @@
 #include "nanoweft/base/huge_pages.hpp"
 #include "nanoweft/base/log.hpp"
 #include "nanoweft/base/threads.hpp"
+#include "nanoweft/force/bond_viscosity.hpp"
+#include "nanoweft/force/plastic_flow.hpp"
 
 namespace nanoweft {
 
 /// What an evaluation is to do, and what its threads find.
 struct ForceField::Tallies {
   ForceRequest request;
-  bool viscous;   ///< viscous forces are wanted
+  bool viscousBonds, viscousPairs;
   double margin;  ///< of the pairs to be drawn; 0: those drawn before still hold
   std::vector<BondTally> bonds;
   std::vector<PairTally> pairs;
@@ -58,7 +60,7 @@ void ForceField::rebuild(State& state, Domain& domain) {
     const ForceSum* before = sums_.data();
     sums_.resize(static_cast<std::size_t>(state.owned()) + shares().size());
     if (sums_.data() != before) preferHugePages(sums_.data(), sums_.capacity() * sizeof(ForceSum));
-    if (viscous()) viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
+    if (settings_.viscous) viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
   }
   bondsKnown_ = false;
 }
@@ -84,7 +86,7 @@ PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous
 }
 
 void ForceField::addPairs(const State& state, std::size_t thread, bool outer, Tallies& tallies) {
-  PairJob job = pairJob(state, thread, tallies.viscous);
+  PairJob job = pairJob(state, thread, tallies.viscousPairs);
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
     const PairForce& force = *settings_.pairs.classes()[c].force;
     PairList& list = lists_.pairs()[c];
@@ -119,13 +121,40 @@ void ForceField::addOuterBonds(State& state, Tallies& tallies) {
                tallies.bonds[0]);
 }
 
+void ForceField::addViscosity(State& state, const Tallies& tallies) {
+  onShares(shares().size(), [&](std::size_t t) {
+    const Share share = shares()[t];
+    std::fill(state.viscous + 6 * share.begin, state.viscous + 6 * share.end, 0.0);
+    if (tallies.viscousBonds)
+      addBondViscosity(state, settings_.kinds, nearest_, lists_.bonds(), static_cast<int>(t),
+                       share);
+  });
+}
+
+ExactSum ForceField::flow(State& state) const {
+  ExactSum lost;
+  if (!settings_.kinds.yields()) return lost;
+  onShares(shares().size(), [&](std::size_t t) {
+    PlasticFlow flow(settings_.kinds, nearest_, energyUnit_);
+    flow.flow(state, lists_.bonds(), static_cast<int>(t), shares()[t]);
+#pragma omp critical
+    lost.merge(flow.lost());
+  });
+  return lost;
+}
+
 ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
   const auto threads = shares().size();
   const bool pairs = static_cast<bool>(settings_.pairs);
   if (owed_) throw std::logic_error("pair forces have not been handed over");
   // followed_: bonds that broke during a ForcePass count, even if their forces are computed again.
-  Tallies tallies{request, pairs && viscous() && request.viscous, lists_.takeDrawing(),
-                  std::exchange(followed_, {}), std::vector<PairTally>(threads)};
+  const bool viscous = state.extras().viscous && request.viscous;
+  Tallies tallies{request,
+                  viscous && settings_.kinds.viscous(),
+                  viscous && pairs && settings_.viscous,
+                  lists_.takeDrawing(),
+                  std::exchange(followed_, {}),
+                  std::vector<PairTally>(threads)};
   tallies.bonds.resize(threads);
   for (std::size_t t = 0; t < threads; ++t)
     tallies.bonds[t].energyUnit = tallies.pairs[t].energyUnit = energyUnit_;
@@ -133,7 +162,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   {
     const LogScope log(haloEvent_);
     halo.refreshBegin(state);
-    if (tallies.viscous) halo.refreshVelocities(state);
+    if (viscous) halo.refreshVelocities(state);
   }
   {
     const LogScope log(bondEvent_);
@@ -150,7 +179,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   if (pairs) {
     const LogScope log(pairEvent_);
     onShares(threads, [&](std::size_t t) {
-      if (tallies.viscous)
+      if (tallies.viscousPairs)
         std::fill(viscousSums_.begin() + 6 * shares()[t].begin,
                   viscousSums_.begin() + 6 * shares()[t].end, 0);
       addPairs(state, t, false, tallies);
@@ -163,12 +192,13 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   }
   waited = MPI_Wtime() - waited;
   addOuterBonds(state, tallies);
+  if (viscous) addViscosity(state, tallies);
   if (pairs) {
     const LogScope log(pairEvent_);
     onShares(threads, [&](std::size_t t) {
       addPairs(state, t, true, tallies);
       if (request.complete) handOver(state, shares()[t].begin, shares()[t].end);
-      if (tallies.viscous) handOverViscous(state, shares()[t]);
+      if (tallies.viscousPairs) handOverViscous(state, shares()[t]);
     });
     owed_ = !request.complete;
     notePairs(tallies);
@@ -205,8 +235,8 @@ void ForceField::handOverViscous(State& state, Share share) const {
   for (std::int32_t i = share.begin; i < share.end; ++i)
     for (int c = 0; c < 3; ++c) {
       const auto k = static_cast<std::size_t>(6 * i + c);
-      state.viscous[k] = forceUnit * static_cast<double>(viscousSums_[k]);
-      state.viscous[k + 3] = torqueUnit * static_cast<double>(viscousSums_[k + 3]);
+      state.viscous[k] += forceUnit * static_cast<double>(viscousSums_[k]);
+      state.viscous[k + 3] += torqueUnit * static_cast<double>(viscousSums_[k + 3]);
     }
 }
 

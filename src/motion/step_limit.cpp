@@ -140,6 +140,19 @@ std::vector<double> randomDirection(const State& state) {
   return q;
 }
 
+/// Limit for a mode of frequency 2/step that is damped with retardation time t: the viscous force
+/// is that of half a step earlier, so x'' = -w^2 x - t w^2 x' is stable up to 4 = 2 t w^2 dt + w^2
+/// dt^2.
+double withViscosity(double step, double t) {
+  return t > 0 ? std::sqrt(t * t + step * step) - t : step;
+}
+
+double slowest(const Kinds& kinds) {
+  double longest = 0;
+  for (const Fibre& f : kinds) longest = std::max(longest, f.retardation);
+  return longest;
+}
+
 }  // namespace
 
 double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
@@ -166,7 +179,9 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     off.push_back(norm);
   }
   stiffness.restore();
-  return eigenvalue > 0 ? 2.0 / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
+  if (!(eigenvalue > 0)) return std::numeric_limits<double>::infinity();
+  return withViscosity(2.0 / std::sqrt(eigenvalue),
+                       state.extras().viscous ? slowest(forces.kinds()) : 0.0);
 }
 
 double chainStepLimit(const Fibre& fibre) {

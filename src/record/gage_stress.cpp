@@ -66,7 +66,7 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
       const int j = domain.partner(state, i, tie);
       if (const double part = gage.part(along(i), along(j)); part > 0) {
         const auto bond = bondGeometry(state, forces.kinds(), forces.nearest(), i, j);
-        sum.add(part, bond.separation, forces.kinds()[state.kind(i)].bond.force(bond).force);
+        sum.add(part, bond.separation, bondLaw(state, forces.kinds(), i).force(bond).force);
       }
     }
   }

@@ -78,7 +78,8 @@ void KindTable::addShare(const System& s, std::size_t thread, std::vector<ExactS
     add(rotational, 0.5 * fibre.inertia * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]));
     for (const Tie& tie : state.ties(i)) {
       if (tie.broken || !tie.first) continue;
-      const auto u = fibre.bondEnergy(
+      const auto u = bondEnergy(
+          state, kinds_, i,
           bondGeometry(state, kinds_, s.forces.nearest(), i, s.domain.partner(state, i, tie)));
       add(stretch, u.stretch);
       add(shear, u.shear);

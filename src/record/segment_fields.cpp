@@ -28,9 +28,10 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
   for (const Tie& tie : state.ties(i)) {
     if (tie.broken) continue;
     const int other = domain.partner(state, i, tie);
-    const auto bond = bondGeometry(state, forces.kinds(), forces.nearest(), tie.first ? i : other,
-                                   tie.first ? other : i);
-    const auto u = fibre.bondEnergy(bond);
+    const int first = tie.first ? i : other;
+    const auto bond =
+        bondGeometry(state, forces.kinds(), forces.nearest(), first, tie.first ? other : i);
+    const auto u = bondEnergy(state, forces.kinds(), first, bond);
     sum.stretch += 0.5 * u.stretch;
     sum.shear += 0.5 * u.shear;
     sum.bending += 0.5 * u.bending;

@@ -98,7 +98,7 @@ Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& li
   Survey survey;
   ExactSum energy[2];
   bonds.forEach([&](const StartBond& bond) {
-    const EvmBond& b = c.kinds[s.kind(bond.i)].bond;
+    const EvmBond b = bondLaw(s, c.kinds, bond.i);
     const Vec3d d = nearest(bond.to - bond.from);
     BondGeometry<double> frames{d, bond.first, bond.second};
     turnToRest(restHalfOf(s, c.kinds, bond.i), frames);
@@ -119,7 +119,7 @@ Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& li
       }
       if (values[k] > limits.warned[k]) ++survey.warned[k];
     }
-    const auto u = c.kinds[s.kind(bond.i)].bondEnergy(frames);
+    const auto u = bondEnergy(s, c.kinds, bond.i, frames);
     energy[0].add(u.shear, unit);
     energy[1].add(u.stretch + u.bending + u.torsion, unit);
   });

@@ -1,6 +1,8 @@
 /// Two kinds of fibre in one run: the same bytes on any ranks and threads, and over restarts.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/expect.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
@@ -107,6 +109,26 @@ TEST(KindsInOneRun, RestShapesHaveTheSameBytesAndGoOn) {
     for (const char* file : {"out.h5", "energy.csv"})
       EXPECT_TRUE(readFile(pieces / file) == readFile(whole / file)) << options << file;
   }
+}
+
+TEST(KindsInOneRun, ViscosityAndPlasticFlowHaveTheSameBytesAndGoOn) {
+  const std::string options = weave + outputs +
+                              "-thin_fibre_retardation 3 -thin_fibre_yield_strain 0.001 "
+                              "-fibre_yield_curvature 0.0002 ";
+  const Folder whole, pieces;
+  auto outcome = run(whole, options + "-ts_max_steps 300", 1, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* part : {"/state/rest_extension", "/state/rest_rotation"}) {
+    const auto values = readDataset(whole / "out.h5", part);
+    EXPECT_GT(*std::ranges::max_element(values), 0) << part << ": nothing has flowed";
+  }
+  outcome = run(pieces, options + "-ts_max_steps 140 -checkpoint_file c.h5", 3);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(pieces,
+                outputs + "-restart c.h5 -ts_max_steps 300 -partition metis -partition_piece 8", 4);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* file : {"out.h5", "energy.csv"})
+    EXPECT_TRUE(readFile(pieces / file) == readFile(whole / file)) << file;
 }
 
 TEST(KindsInOneRun, TheSkinOfTheListsChangesNoByte) {

@@ -22,6 +22,8 @@ class Kinds {
   /// Is any of them at rest in another shape than straight?
   bool curved() const;
   bool kinks() const;
+  bool viscous() const;  ///< internally
+  bool yields() const;
   /// Half of the rotation from a segment to its successor at rest.
   const Quatd& restHalf(int kind) const { return restHalves_[static_cast<std::size_t>(kind)]; }
   const Fibre& operator[](int kind) const { return fibres_[static_cast<std::size_t>(kind)]; }

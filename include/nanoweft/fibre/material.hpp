@@ -10,7 +10,9 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/bond.hpp"
+#include "nanoweft/fibre/bond_viscosity.hpp"
 #include "nanoweft/fibre/kink.hpp"
+#include "nanoweft/fibre/yield.hpp"
 
 namespace nanoweft {
 
@@ -34,6 +36,9 @@ struct Fibre {
   double inertia = 0;  ///< of a segment, isotropic
   EvmBond bond;
   Kink kink;
+  BondViscosity viscosity;
+  double retardation = 0;  ///< the longest of the times that `viscosity` comes from
+  Yield yield;
   /// Rest shape: twist about the axis and curvatures about the second and third body axis, per
   /// length. Zero: straight.
   Vec3d rest{0, 0, 0};
@@ -50,12 +55,8 @@ struct Fibre {
   Strength strength;
 
   bool kinks() const { return kink.angle > 0; }
-  /// Energy of a bond whose frames are equal at rest.
-  BondEnergy<double> bondEnergy(const BondGeometry<double>& geometry) const {
-    auto energy = bond.energy(geometry);
-    if (kinks()) kink.add(geometry, energy);
-    return energy;
-  }
+  /// Stiffness of a bond whose ends turn against each other.
+  double bendingOfBond() const { return 0.25 * bond.shear + bond.bending + 0.5 * bond.torsion; }
   bool curved() const { return rest.x != 0 || rest.y != 0 || rest.z != 0; }
   /// Rotation from a segment's frame to its successor's at rest, as a rotation vector.
   Vec3d restRotation() const { return length * rest; }

@@ -50,6 +50,13 @@ class BondList {
 
   std::int64_t size() const;
 
+  /// Calls visit(i, j) with the local indices of each bond of a thread's list; j follows i.
+  template <class Visit>
+  void forEach(int thread, const Visit& visit) const {
+    for (const auto& part : threads_[static_cast<std::size_t>(thread)].parts)
+      for (const Entry& e : part) visit(e.i, e.j);
+  }
+
  private:
   struct Entry {
     std::int32_t i, j;  ///< j follows i along the fibre

@@ -60,7 +60,9 @@ class ForceField {
   const Breakage& breakage() const { return settings_.breakage; }
   const LinkForces& links() const { return links_; }
   const SumUnit& energyUnit() const { return energyUnit_; }
-  bool viscous() const { return static_cast<bool>(settings_.viscous); }
+  /// Lets bonds flow plastically, and returns the elastic energy that this rank's bonds lost. To be
+  /// called after an evaluation, before segments move.
+  ExactSum flow(State& state) const;
   std::int64_t pairsResolved() const { return resolved_; }
 
  private:
@@ -71,6 +73,8 @@ class ForceField {
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);
   /// Adds the bonds with a ghost, and the links.
   void addOuterBonds(State& state, Tallies& tallies);
+  /// Sets State::viscous to what bonds do.
+  void addViscosity(State& state, const Tallies& tallies);
   void clear(State& state, std::size_t thread) const;
   /// Adds the summed pair forces on segments begin <= i < end to State::force and torque.
   void handOver(State& state, std::int32_t begin, std::int32_t end);

@@ -13,9 +13,10 @@ namespace nanoweft {
 
 /// Fields that only some scenes need.
 struct ExtraFields {
-  bool gap = false;      ///< which neighbours along a fibre have parted (breakage)
-  bool viscous = false;  ///< viscous force and torque
-  bool rest = false;     ///< bonds with rest rotations of their own
+  bool gap = false;        ///< which neighbours along a fibre have parted (breakage)
+  bool viscous = false;    ///< viscous force and torque
+  bool rest = false;       ///< bonds with rest rotations of their own
+  bool extension = false;  ///< bonds with rest lengths of their own
 };
 
 /// Arrays of all segments of a rank, one value or a few (in brackets) for each. Null: not needed.
@@ -40,6 +41,8 @@ struct SegmentFields {
   // With rest rotations of single bonds only, of the bond to the successor:
   double* rest = nullptr;      ///< [3]: rotation vector, body axes
   double* restHalf = nullptr;  ///< [4]: half of that rotation as a quaternion
+  /// With plastic flow only: by how much the bond to the successor is longer at rest than its kind.
+  double* extension = nullptr;
 };
 
 /// How a state file keeps a field.
@@ -101,9 +104,12 @@ inline constexpr Field fields[] = {
     {&SegmentFields::torque, "torque", 3, Stored::withForces},
     {&SegmentFields::gap, "gap", 4, Stored::extra, Ghosts::never, &ExtraFields::gap},
     {&SegmentFields::viscous, "viscous", 6, Stored::extra, Ghosts::never, &ExtraFields::viscous},
-    {&SegmentFields::rest, "rest_rotation", 3, Stored::extra, Ghosts::never, &ExtraFields::rest},
+    {&SegmentFields::rest, "rest_rotation", 3, Stored::extra, Ghosts::whenBuilt,
+     &ExtraFields::rest},
     {&SegmentFields::restHalf, "rest_half", 4, Stored::no, Ghosts::whenBuilt, &ExtraFields::rest,
      unit},
+    {&SegmentFields::extension, "rest_extension", 1, Stored::extra, Ghosts::whenBuilt,
+     &ExtraFields::extension},
 };
 
 }  // namespace nanoweft

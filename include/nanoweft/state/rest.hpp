@@ -1,5 +1,6 @@
-/// Rest rotations of bonds (model.md 10). A bond at rest turns segment i by q0 into its successor
-/// j. Each end takes half of it: with h = q0^(1/2), the bond's law sees the frames
+/// What bonds are at rest: their rest rotations (model.md 10) and rest lengths. A bond at rest
+/// turns segment i by q0 into its successor j. Each end takes half of it: with h = q0^(1/2), the
+/// bond's law sees the frames
 ///
 ///     Q_i = q_i h,   Q_j = q_j h^-1,
 ///
@@ -33,6 +34,20 @@ inline void setRest(State& state, int i, const Vec3d& turn) {
   const Quatd h = rotation(0.5 * turn);
   double* half = state.restHalf + 4 * i;
   half[0] = h.w, half[1] = h.x, half[2] = h.y, half[3] = h.z;
+}
+
+/// The law of the bond from segment i to its successor, with the rest length that it has come to.
+inline EvmBond bondLaw(const State& s, const Kinds& kinds, int i) {
+  EvmBond law = kinds[s.kind(i)].bond;
+  if (s.extension) law.length += s.extension[i];
+  return law;
+}
+/// Energy of the bond from segment i to its successor, for frames that are equal at rest.
+inline BondEnergy<double> bondEnergy(const State& s, const Kinds& kinds, int i,
+                                     const BondGeometry<double>& geometry) {
+  auto energy = bondLaw(s, kinds, i).energy(geometry);
+  if (const Fibre& fibre = kinds[s.kind(i)]; fibre.kinks()) fibre.kink.add(geometry, energy);
+  return energy;
 }
 
 }  // namespace nanoweft

@@ -39,6 +39,7 @@ class State : public SegmentFields {
   int rank() const { return rank_; }
   int ranks() const { return ranks_; }
   DM swarm() const { return swarm_; }
+  const ExtraFields& extras() const { return extras_; }
 
   int owned() const { return owned_; }
   int ghosts() const { return ghosts_; }
