@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "nanoweft/record/energy_table.hpp"
+#include "nanoweft/record/kind_stress_table.hpp"
 #include "nanoweft/record/kind_table.hpp"
 #include "nanoweft/record/snapshot_writer.hpp"
 #include "nanoweft/record/stress_table.hpp"
@@ -22,6 +23,7 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   add(makeEnergyTable(options, c.units, s.monitorInterval));
   add(makeKindTable(options, c.units, c.kinds, s.monitorInterval));
   add(makeStressTable(options, c.units, c.boundaries, s.monitorInterval));
+  add(makeKindStressTable(options, c.units, c.kinds, c.boundaries, s.monitorInterval));
   add(makeRelaxation(c));
   add(makeBalance(c));
   add(makeProgress(c));

@@ -5,6 +5,7 @@
 
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/force/bond_geometry.hpp"
+#include "nanoweft/record/carriers.hpp"
 #include "nanoweft/record/interactions.hpp"
 
 namespace nanoweft {
@@ -13,6 +14,7 @@ namespace {
 
 /// The region between two planes across an axis.
 struct Gage {
+  int axis;
   double lower, upper;
 
   double held(double x) const { return std::clamp(x, lower, upper); }
@@ -33,7 +35,7 @@ Gage findGage(const State& state, int axis, double segment) {
   }
   MPI_Allreduce(MPI_IN_PLACE, faces, 2, MPI_DOUBLE, MPI_MAX, state.comm());
   const double between = -faces[1] - faces[0], inset = std::min(0.5 * segment, 0.25 * between);
-  return {faces[0] + inset, -faces[1] - inset};
+  return {axis, faces[0] + inset, -faces[1] - inset};
 }
 
 /// Sum of symmetric dyads: xx, yy, zz, xy, xz, yz.
@@ -51,22 +53,26 @@ struct DyadSum {
   }
 };
 
-/// A thread's part of the virial. Each bond and pair counts for the owner of its first segment.
+/// A thread's part of the virial, a sum for each carrier. Each bond and pair counts for the owner
+/// of its first segment.
 void addVirial(const State& state, const Domain& domain, const ForceField& forces, const Gage& gage,
-               int axis, std::size_t thread, DyadSum& sum) {
+               std::size_t thread, std::vector<DyadSum>& sums) {
   const Share share = forces.shares()[thread];
-  auto along = [&](int i) { return state.pose[8 * i + axis]; };
+  const Carriers carriers{forces.kinds().count()};
+  auto sum = [&](int carrier) -> DyadSum& { return sums[static_cast<std::size_t>(carrier)]; };
+  auto along = [&](int i) { return state.pose[8 * i + gage.axis]; };
   for (int i = share.begin; i < share.end; ++i) {
+    DyadSum& own = sum(carriers.ofKind(state.kind(i)));
     const double* v = state.velocity + 3 * i;
     const bool free = !(state.group[i] & (1 << leftGripBit | 1 << rightGripBit));
     if (free && gage.contains(along(i)))
-      sum.add(-forces.kinds()[state.kind(i)].mass, {v[0], v[1], v[2]}, {v[0], v[1], v[2]});
+      own.add(-forces.kinds()[state.kind(i)].mass, {v[0], v[1], v[2]}, {v[0], v[1], v[2]});
     for (const Tie& tie : state.ties(i)) {
       if (tie.broken || !tie.first) continue;
       const int j = domain.partner(state, i, tie);
       if (const double part = gage.part(along(i), along(j)); part > 0) {
         const auto bond = bondGeometry(state, forces.kinds(), forces.nearest(), i, j);
-        sum.add(part, bond.separation, bondLaw(state, forces.kinds(), i).force(bond).force);
+        own.add(part, bond.separation, bondLaw(state, forces.kinds(), i).force(bond).force);
       }
     }
   }
@@ -75,35 +81,67 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
     if (state.links[k].broken || i >= state.owned()) continue;
     const auto link = forces.links().resolve(state, forces.nearest(), k);
     if (const double part = gage.part(along(i), along(j)); part > 0)
-      sum.add(part, link.separation, link.force.force);
+      sum(carriers.links()).add(part, link.separation, link.force.force);
   }
   forEachPair(
       state, forces, thread, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
         if (p.i < share.begin || p.i >= share.end) return;
         if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
-          sum.add(part, d, force.resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
+          sum(carriers.ofPair(state.kind(p.i), state.kind(p.j)))
+              .add(part, d, force.resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
       });
+}
+
+/// The virial by carriers, of all ranks; and the numbers that make stresses of it.
+struct Virial {
+  std::vector<DyadSum> sums;
+  double volume;
+};
+
+Virial virialOf(const State& state, const Domain& domain, const ForceField& forces,
+                const Tension& tension) {
+  const Gage gage = findGage(state, tension.axis, forces.kinds().longest());
+  const std::size_t threads = forces.shares().size();
+  const std::vector<DyadSum> zero(
+      static_cast<std::size_t>(Carriers{forces.kinds().count()}.count()),
+      DyadSum{forces.energyUnit(), {}});
+  Virial total{zero, (gage.upper - gage.lower) * tension.width * tension.thickness};
+#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(threads))
+  for (std::size_t t = 0; t < threads; ++t) {
+    std::vector<DyadSum> own = zero;
+    addVirial(state, domain, forces, gage, t, own);
+#pragma omp critical
+    for (std::size_t c = 0; c < own.size(); ++c)
+      for (std::size_t k = 0; k < 6; ++k) total.sums[c].sum[k].merge(own[c].sum[k]);
+  }
+  return total;
 }
 
 }  // namespace
 
 std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
                                  const Tension& tension, const UnitSystem& units) {
-  const Gage gage = findGage(state, tension.axis, forces.kinds().longest());
-  const std::size_t threads = forces.shares().size();
+  const Virial virial = virialOf(state, domain, forces, tension);
   DyadSum total{forces.energyUnit(), {}};
-#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(threads))
-  for (std::size_t t = 0; t < threads; ++t) {
-    DyadSum sum{forces.energyUnit(), {}};
-    addVirial(state, domain, forces, gage, tension.axis, t, sum);
-#pragma omp critical
-    for (std::size_t k = 0; k < 6; ++k) total.sum[k].merge(sum.sum[k]);
-  }
+  for (const DyadSum& own : virial.sums)
+    for (std::size_t k = 0; k < 6; ++k) total.sum[k].merge(own.sum[k]);
   ExactSum::reduce(total.sum, 6, state.comm());
-  const double volume = (gage.upper - gage.lower) * tension.width * tension.thickness;
   std::array<double, 6> stress;
   for (std::size_t k = 0; k < 6; ++k)
-    stress[k] = total.sum[k].value(total.unit) / (volume * units.gigapascal);
+    stress[k] = total.sum[k].value(total.unit) / (virial.volume * units.gigapascal);
+  return stress;
+}
+
+std::vector<double> carriedStress(const State& state, const Domain& domain,
+                                  const ForceField& forces, const Tension& tension,
+                                  const UnitSystem& units) {
+  const Virial virial = virialOf(state, domain, forces, tension);
+  std::vector<ExactSum> axial;
+  for (const DyadSum& own : virial.sums) axial.push_back(own.sum[tension.axis]);
+  ExactSum::reduce(axial.data(), static_cast<int>(axial.size()), state.comm());
+  std::vector<double> stress;
+  for (const ExactSum& sum : axial)
+    stress.push_back(sum.value(forces.energyUnit()) / (virial.volume * units.gigapascal));
   return stress;
 }
 

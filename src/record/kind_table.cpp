@@ -1,11 +1,10 @@
 #include "nanoweft/record/kind_table.hpp"
 
-#include <algorithm>
-
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/bond_geometry.hpp"
+#include "nanoweft/record/carriers.hpp"
 #include "nanoweft/record/interactions.hpp"
 #include "nanoweft/record/table_observer.hpp"
 
@@ -22,10 +21,8 @@ std::vector<std::string> columnsFor(const Kinds& kinds, const UnitSystem& units)
   std::vector<std::string> columns{timeColumn(units)};
   for (const Fibre& f : kinds)
     for (const char* part : partNames) columns.push_back(f.kind + "_" + part);
-  for (int a = 0; a < kinds.count(); ++a)
-    for (int b = a; b < kinds.count(); ++b)
-      columns.push_back(kinds[a].kind + "_" + kinds[b].kind + "_pair");
-  columns.push_back("links");
+  const auto carriers = carrierNames(kinds);
+  columns.insert(columns.end(), carriers.begin() + kinds.count(), carriers.end());
   return columns;
 }
 
@@ -55,10 +52,10 @@ class KindTable : public TableObserver {
   const Kinds& kinds_;
 };
 
-/// Place of the pairs of two kinds, a <= b, behind the kinds' own columns.
+/// Place of the pairs of two kinds behind the kinds' own columns.
 std::size_t KindTable::pairColumn(int a, int b) const {
-  const int before = a * kinds_.count() - a * (a - 1) / 2;
-  return static_cast<std::size_t>(parts * kinds_.count() + before + b - a);
+  const int n = kinds_.count();
+  return static_cast<std::size_t>((parts - 1) * n + Carriers{n}.ofPair(a, b));
 }
 
 /// Adds what belongs to a thread's segments; a bond or pair belongs to its first one.
@@ -91,7 +88,7 @@ void KindTable::addShare(const System& s, std::size_t thread, std::vector<ExactS
               [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
                 if (p.i < share.begin || p.i >= share.end) return;
                 const int a = state.kind(p.i), b = state.kind(p.j);
-                sums[pairColumn(std::min(a, b), std::max(a, b))].add(
+                sums[pairColumn(a, b)].add(
                     force.resolve(d, state.orientation(p.i), state.orientation(p.j)).energy, unit);
               });
 }

@@ -63,7 +63,8 @@ struct Survey {
   double shear = 0, others = 0;  ///< energies of the bonds
 };
 
-void raise(WorstBond& worst, double value, const StartBond& bond, const State& s, int bent) {
+void raise(WorstBond& worst, double value, const StartBond& bond, const State& s, double rest,
+           int bent) {
   if (!(value > worst.value)) return;
   const int i = bond.i, length = s.chain[2 * i + 1];
   worst = {value,
@@ -74,6 +75,7 @@ void raise(WorstBond& worst, double value, const StartBond& bond, const State& s
            bond.closes,
            bent ? (s.chain[2 * i] + 1) % length : s.chain[2 * i],
            s.kind(i),
+           rest,
            bond.from,
            bond.to};
 }
@@ -110,9 +112,9 @@ Survey surveyOf(const StartBonds& bonds, const StartContext& c, const Limits& li
                         angleBetween(e[0] + e[1], d)};
     ++survey.bonds;
     if (values[twist] > 5 * degree) ++survey.twisted;
-    if (s.bond[bond.i] & fibreClosed) raise(survey.worstTurn, values[twist], bond, s, 0);
+    if (s.bond[bond.i] & fibreClosed) raise(survey.worstTurn, values[twist], bond, s, b.length, 0);
     for (std::size_t k = 0; k < kinds; ++k) {
-      raise(survey.worst[k], values[k], bond, s, off[1] > off[0]);
+      raise(survey.worst[k], values[k], bond, s, b.length, off[1] > off[0]);
       if (!(values[k] <= limits.refused[k])) {
         ++survey.refused[k];
         return;
@@ -147,7 +149,7 @@ std::string measureOf(std::size_t kind, const WorstBond& w, const StartContext& 
   const double angle = w.value / degree;
   switch (kind) {
     case strain: {
-      const double r = norm(nearest(w.to - w.from)), length = c.kinds[w.kind].length;
+      const double r = norm(nearest(w.to - w.from)), length = w.rest;
       const double percent = 100 * (r / length - 1.0);
       return format("the bond between them is %.4g %s long instead of %.4g (strain %+.*f %%)", r,
                     c.units.length, length, std::abs(percent) < 20 ? 1 : 0, percent);

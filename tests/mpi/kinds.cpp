@@ -67,6 +67,58 @@ TEST(KindsInOneRun, TheTableOfKindsAddsUpToTheEnergiesOnAnyRanks) {
                 {"-kind_monitor", "-kinds"});
 }
 
+TEST(KindsInOneRun, TheTableOfStressAddsUpToTheVirialOnAnyRanks) {
+  const std::string pull =
+      weave +
+      "-tension_rate 1e-5 -tension_ramp 2000 -tension_grip 60 -tension_thickness 30 "
+      "-links_density 0.005 -links_distance 40 -link_stiffness 20,1000,-200,100 -ts_max_steps 200 "
+      "-stress_monitor ascii:stress.csv -kind_stress_monitor ascii:kinds.csv -monitor_interval 100";
+  const Folder one, three;
+  auto outcome = run(one, pull, 1, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(three, pull, 3, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(readFile(one / "kinds.csv") == readFile(three / "kinds.csv"));
+  const auto virial = readCsv(one / "stress.csv"), kinds = readCsv(one / "kinds.csv");
+  for (std::size_t k = 0; k < 3; ++k) {
+    double sum = 0;
+    for (const char* carrier :
+         {"thin", "thick", "thin_thin_pair", "thin_thick_pair", "thick_thick_pair", "links"}) {
+      const double part = kinds.at(carrier + std::string("_GPa")).at(k);
+      sum += part;
+    }
+    for (const char* carrier : {"thin", "thick", "thin_thick_pair", "links"})
+      EXPECT_TRUE(k == 0 || kinds.at(carrier + std::string("_GPa"))[k] != 0) << carrier;
+    EXPECT_NEAR(sum, virial.at("virial_xx_GPa")[k], 1e-12);
+    EXPECT_EQ(kinds.at("strain")[k], virial.at("strain")[k]);
+  }
+  expectRefused(run(one, weave + "-kind_stress_monitor ascii:k.csv -ts_max_steps 2"),
+                {"-kind_stress_monitor", "-tension_rate"});
+  expectRefused(run(one,
+                    "-weave_fibres 2,2 -tension_rate 1e-5 -kind_stress_monitor ascii:k.csv "
+                    "-ts_max_steps 2"),
+                {"-kind_stress_monitor", "-kinds"});
+}
+
+TEST(KindsInOneRun, OverlapIsMeasuredByTheRadiiOfBoth) {
+  for (const char* kinds : {"thin,thick", "thick,thin"}) {
+    const Folder folder;
+    const auto outcome =
+        run(folder, "-kinds " + std::string(kinds) + " -weave_kinds " + kinds +
+                        " -thick_fibre_radius 13.56 -thick_fibre_density 2273 -weave_fibres 2,2 "
+                        "-weave_segments 16 -weave_gap 16 -pair_allow_overlap -ts_max_steps 0");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const std::string words = " overlap by ";
+    const auto at = outcome.output.find(words);
+    ASSERT_NE(at, std::string::npos) << outcome.output;
+    // 64 % of the thin radius where crossing axes are 16 A apart; segments that slant come less
+    // near.
+    const double depth = std::stod(outcome.output.substr(at + words.size()));
+    EXPECT_LE(depth, 100 * (6.78 + 13.56 - 16) / 6.78 + 0.5);
+    EXPECT_GE(depth, 55);
+  }
+}
+
 TEST(KindsInOneRun, ViscousDampingAndFireHaveTheSameBytes) {
   for (const std::string& more :
        {std::string("-damping_viscous 20 -damping_viscous_angular 500 -ts_max_steps 200"),

@@ -168,6 +168,10 @@ TEST(GageStress, IsWhatGripsAndUnbalancedForcesMakeIt) {
                     "-damping_local 0.4 -tension_rate 2e-5 -tension_ramp 2000 "
                     "-tension_max_strain 0.4 -break_strain_mean 0.12 -break_strain_std 0.03",
                 "x", 2);
+  expectBalance(weave +
+                    "-tension_rate 1e-5 -tension_ramp 2000 -ts_max_steps 300 -links_density 0.01 "
+                    "-links_distance 18 -link_stiffness 20,1000,-200,100",
+                "x", 2);
 }
 
 TEST(GageStress, BundlePulledSlowly) {

@@ -172,6 +172,17 @@ std::string pushedTogether(const Folder& folder) {
          "-right_region -1000,30,-10,1000,40,10 -right_force 0,-0.5,0 -scene_perturb 0.01 ";
 }
 
+TEST(StepLimit, IsThatOfTheKindsThatAreThere) {
+  const Folder folder;
+  const std::string fibre =
+      "-kinds heavy,light -heavy_fibre_segment_mass 26490 -scene fibre -fibre_segments 20 -pair "
+      "none -fibre_kind ";
+  // A tube's moment of inertia is its mass times rf^2.
+  const double light = expectLimitSeparates(folder, fibre + "light"),
+               heavy = printedLimit(folder, fibre + "heavy");
+  EXPECT_NEAR(heavy / light, std::sqrt(10.0), 0.02);
+}
+
 TEST(StepLimit, CheckpointBeforeTheInstabilityIsNamedAndReadable) {
   const Folder folder;
   const auto outcome =

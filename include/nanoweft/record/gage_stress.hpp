@@ -28,6 +28,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/domain/domain.hpp"
@@ -40,5 +41,10 @@ namespace nanoweft {
 /// number of ranks and threads. Collective.
 std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
                                  const Tension& tension, const UnitSystem& units);
+
+/// The part of each carrier (carriers.hpp) in the axial component of that stress, GPa. Collective.
+std::vector<double> carriedStress(const State& state, const Domain& domain,
+                                  const ForceField& forces, const Tension& tension,
+                                  const UnitSystem& units);
 
 }  // namespace nanoweft

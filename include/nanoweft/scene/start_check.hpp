@@ -40,6 +40,7 @@ struct WorstBond {
   std::int32_t closes = 0;
   std::int32_t bent = 0;  ///< of the two, the segment whose axis is worse
   std::int32_t kind = 0;
+  double rest = 0;  ///< length
   Vec3d from, to;
 };
 
