@@ -106,6 +106,7 @@ void RunParts::fillState() {
         "rotations of their own (-weave_rest shaped, or rest_rotation in the state file)");
   extras.viscous =
       plan->settings.viscous || (plan->kinds.viscous() && !plan->settings.stepper->minimises);
+  extras.ends = forces->pairs().touches();
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();
   if (plan->checkpoint) {
@@ -115,6 +116,7 @@ void RunParts::fillState() {
     plan->scene->fill(*state);
     if (flows && plan->kinds.curved()) takeRestOfKinds(*state, plan->kinds);
   }
+  if (extras.ends) plan->checkpoint ? state->recallFreeEnds() : state->noteFreeEnds();
   requireWideBox(plan->box, 1.5 * plan->kinds.longest(), units.length);
   // Checked first: a bad start would fail later checks, too, and those would name another cause.
   if (!plan->checkpoint) checkStart();

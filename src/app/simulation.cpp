@@ -125,6 +125,9 @@ void Simulation::agreeAndPrepare(const DriftReport& drift) {
   if (state.ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &notices, 1, MPI_INT, MPI_BOR, state.comm());
   if (notices & unstable) throwUnstable(now, parts_->plan->units, "");
   if (notices & broke) breaks_.spread(state);
+  // A restart does not know whether bonds broke in the last step before it.
+  if (state.extras().ends && (notices & broke || !std::exchange(prepared_, true)))
+    state.noteFreeEnds();
   if (notices & outdated)
     forces.rebuild(state, system_.domain);
   else if (notices & stale)

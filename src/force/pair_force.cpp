@@ -88,7 +88,8 @@ class PairForceOf final : public PairForce {
     }
   }
 
-  PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
+  PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj,
+                     Both<int>) const override {
     const Vec3d ei = axis1(qi), ej = axis1(qj);
     const double r = norm(separation);
     if (r <= points_.blend.from) return average(points_.near, separation, ei, ej);

@@ -23,6 +23,10 @@ const PairForce* PairForces::between(int a, int b) const {
   return nullptr;
 }
 
+bool PairForces::touches() const {
+  return std::ranges::any_of(classes_, [](const Class& c) { return c.force->touches(); });
+}
+
 double PairForces::reach() const {
   double farthest = 0;
   for (const Class& c : classes_) farthest = std::max(farthest, c.force->reach());

@@ -88,7 +88,7 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
         if (p.i < share.begin || p.i >= share.end) return;
         if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
           sum(carriers.ofPair(state.kind(p.i), state.kind(p.j)))
-              .add(part, d, force.resolve(d, state.orientation(p.i), state.orientation(p.j)).force);
+              .add(part, d, resolved(state, force, p, d).force);
       });
 }
 

@@ -89,7 +89,7 @@ void KindTable::addShare(const System& s, std::size_t thread, std::vector<ExactS
                 if (p.i < share.begin || p.i >= share.end) return;
                 const int a = state.kind(p.i), b = state.kind(p.j);
                 sums[pairColumn(a, b)].add(
-                    force.resolve(d, state.orientation(p.i), state.orientation(p.j)).energy, unit);
+                    resolved(state, force, p, d).energy, unit);
               });
 }
 

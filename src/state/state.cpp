@@ -190,4 +190,18 @@ void State::permute(const std::vector<int>& order) {
   (std::make_index_sequence<std::size(fields)>());
 }
 
+void State::noteFreeEnds() {
+  for (int i = 0; i < owned_; ++i) {
+    int bits = freePrevious | freeNext;
+    for (const Tie& tie : ties(i))
+      if (!tie.broken) bits &= ~(tie.first ? freeNext : freePrevious);
+    ends[i] = bits;
+  }
+  recallFreeEnds();
+}
+
+void State::recallFreeEnds() {
+  for (int i = 0; i < owned_; ++i) pose[8 * i + 3] = kind(i) + 0.25 * ends[i];
+}
+
 }  // namespace nanoweft

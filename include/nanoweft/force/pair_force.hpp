@@ -109,7 +109,9 @@ class PairForce {
   /// Adds the forces of the drawn pairs to job.sum and, when `energies`, their energy to the tally.
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
   /// Resolves one pair by itself, for observers and estimates; `separation` = x_j - x_i.
-  virtual PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const = 0;
+  /// `freeEnds`: State::freeEnds of both, which contacts ask for.
+  virtual PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj,
+                             Both<int> freeEnds = 0) const = 0;
   /// The same with `n` points on the segments, however far they are; ei, ej: axes.
   virtual PairAction average(Both<int> n, const Vec3d& separation, const Vec3d& ei,
                              const Vec3d& ej) const = 0;
@@ -125,8 +127,10 @@ class PairForce {
   double restDistance() const { return traits_.restDistance; }
   double closestSensible() const { return traits_.closestSensible; }
   double contactStiffness() const { return traits_.contactStiffness; }
+  /// Does it act where axes come closest, and not between points?
+  virtual bool touches() const { return false; }
   /// Places of the outermost points of near pairs, from the centres.
-  Both<double> pointSpan() const;
+  virtual Both<double> pointSpan() const;
   Both<double> radius() const { return traits_.radius; }
   Both<double> length() const { return length_; }
   double largestForce() const { return traits_.largestForce; }

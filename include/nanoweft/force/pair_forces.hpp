@@ -25,6 +25,8 @@ class PairForces {
   PairForces(std::unique_ptr<PairForce> only);
   explicit PairForces(std::vector<Class> classes);
 
+  /// Does any of them touch where axes come closest?
+  bool touches() const;
   explicit operator bool() const { return !classes_.empty(); }
   const std::vector<Class>& classes() const { return classes_; }
   /// Between segments of two kinds, in any order; null where they do not interact.

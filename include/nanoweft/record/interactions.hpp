@@ -14,6 +14,13 @@ inline Vec3d separationOf(const State& state, const ForceField& forces, int i, i
   return forces.nearest()(state.position(j) - state.position(i));
 }
 
+/// What a pair force does in a pair at the separation d.
+inline PairAction resolved(const State& state, const PairForce& force, const ListPair& p,
+                           const Vec3d& d) {
+  return force.resolve(d, state.orientation(p.i), state.orientation(p.j),
+                       {state.freeEnds(p.i), state.freeEnds(p.j)});
+}
+
 /// Calls visit(pair force, pair, x_j - x_i) for the pairs in reach that a thread lists. A pair of
 /// two threads' or ranks' segments is listed, and visited, by both.
 template <class Visit>

@@ -16,6 +16,7 @@ struct ExtraFields {
   bool gap = false;        ///< which neighbours along a fibre have parted (breakage)
   bool viscous = false;    ///< viscous force and torque
   bool rest = false;       ///< bonds with rest rotations of their own
+  bool ends = false;       ///< ends without a bond (contacts)
   bool extension = false;  ///< bonds with rest lengths of their own
 };
 
@@ -38,6 +39,9 @@ struct SegmentFields {
   /// [6], with viscous damping only: viscous force and torque. They depend on the velocities half a
   /// step back, so a restart cannot recompute them.
   double* viscous = nullptr;
+  /// With contacts only: State::freeEnds. A restart cannot tell them from the bonds, since a bond
+  /// that broke in the last evaluation leaves free ends from the next one on.
+  std::int32_t* ends = nullptr;
   // With rest rotations of single bonds only, of the bond to the successor:
   double* rest = nullptr;      ///< [3]: rotation vector, body axes
   double* restHalf = nullptr;  ///< [4]: half of that rotation as a quaternion
@@ -104,6 +108,7 @@ inline constexpr Field fields[] = {
     {&SegmentFields::torque, "torque", 3, Stored::withForces},
     {&SegmentFields::gap, "gap", 4, Stored::extra, Ghosts::never, &ExtraFields::gap},
     {&SegmentFields::viscous, "viscous", 6, Stored::extra, Ghosts::never, &ExtraFields::viscous},
+    {&SegmentFields::ends, "free_ends", 1, Stored::extra, Ghosts::never, &ExtraFields::ends},
     {&SegmentFields::rest, "rest_rotation", 3, Stored::extra, Ghosts::whenBuilt,
      &ExtraFields::rest},
     {&SegmentFields::restHalf, "rest_half", 4, Stored::no, Ghosts::whenBuilt, &ExtraFields::rest,

@@ -24,6 +24,13 @@ enum BondBits : std::int32_t {
   previousBroken = 4,  ///< the bond to the predecessor is broken
 };
 
+/// Bits of State::freeEnds.
+enum FreeEnd { freePrevious = 1, freeNext = 2 };
+/// The fourth number of a pose is the kind and a quarter of these bits.
+inline int freeEndBits(double fourth) {
+  return static_cast<int>(4.0 * (fourth - static_cast<int>(fourth)));
+}
+
 /// Bits of State::group from here up belong to the solver; lower ones are the user's.
 inline constexpr int firstReservedGroupBit = 16;
 
@@ -71,6 +78,14 @@ class State : public SegmentFields {
   /// Which of the kinds of segments it is.
   int kind(int i) const { return static_cast<int>(pose[8 * i + 3]); }
   void setKind(int i, int kind) { pose[8 * i + 3] = kind; }
+  /// Which of its ends contacts take for free, that is without a bond: FreeEnd bits. They travel
+  /// with the pose, so that ghosts have them at every step.
+  int freeEnds(int i) const { return freeEndBits(pose[8 * i + 3]); }
+  /// Notes which ends of the owned segments are free now. A bond that breaks in an evaluation is
+  /// noted before the next one, so that all ranks see its ends alike.
+  void noteFreeEnds();
+  /// Takes them from SegmentFields::ends.
+  void recallFreeEnds();
   /// What a segment (or a ghost) is bonded to: the one before it along the fibre, the one after it.
   Ties ties(int i) const {
     const std::int32_t index = chain[2 * i], last = chain[2 * i + 1] - 1;

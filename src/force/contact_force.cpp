@@ -1,0 +1,190 @@
+#include "nanoweft/force/contact_force.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "nanoweft/force/contact.hpp"
+#include "nanoweft/force/gather.hpp"
+#include "nanoweft/force/overlap.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// Which ends of the lanes' segments are free: the fourth number of a pose is the kind, a quarter
+/// for a free end behind the segment and a half for one before it (State::setFreeEnds).
+FreeEnds<Lanes> freeEndsOf(const double* pose, const std::int32_t* index) {
+  double previous[laneCount], next[laneCount];
+  for (int k = 0; k < laneCount; ++k) {
+    const int ends = freeEndBits(pose[8 * index[k] + 3]);
+    previous[k] = ends & 1, next[k] = ends >> 1;
+  }
+  return {Lanes(previous, stdx::element_aligned), Lanes(next, stdx::element_aligned)};
+}
+
+/// Adds up the contacts of a job: looks at pairs, collects those that may touch, and resolves
+/// `laneCount` of them at a time.
+class ContactSum {
+ public:
+  struct Units {
+    double force, torque;
+  };
+  ContactSum(const ContactLaw& law, const Units& units, const PairJob& job, bool energies,
+             PairTally& tally)
+      : law_(law), units_(units), job_(job), energies_(energies), tally_(tally) {}
+
+  /// Pairs of first segments at x with axes e and the partners j; `valid`: which lanes count.
+  NW_INLINE void look(const Vec3<Lanes>& x, const Vec3<Lanes>& e, const std::int32_t* i,
+                      const std::int32_t* j, unsigned valid) {
+    const Vec3<Lanes> r = (*job_.nearest)(gatherPositions(job_.pose, j) - x);
+    const auto touching = law_.mayTouch(r, e, axis1(gatherOrientations(job_.pose, j)));
+    if (!anyOf(touching)) return;
+    unsigned chosen = 0;
+    for (std::size_t k = 0; k < laneCount; ++k) chosen |= static_cast<unsigned>(touching[k]) << k;
+    chosen &= valid;
+    packLanes(chosen, i, i_ + count_);
+    packLanes(chosen, j, j_ + count_);
+    count_ += std::popcount(chosen);
+    if (count_ >= laneCount) resolve(laneCount);
+  }
+  void close() {
+    if (count_ > 0) resolve(count_);
+  }
+
+ private:
+  [[gnu::noinline]] void resolve(int used) {
+    // Padding lanes repeat the first pair.
+    for (int k = used; k < laneCount; ++k) i_[k] = i_[0], j_[k] = j_[0];
+    const double* pose = job_.pose;
+    const Vec3<Lanes> r = (*job_.nearest)(gatherPositions(pose, j_) - gatherPositions(pose, i_));
+    const ContactAction<Lanes> contact =
+        law_(r, axis1(gatherOrientations(pose, i_)), axis1(gatherOrientations(pose, j_)),
+             freeEndsOf(pose, i_), freeEndsOf(pose, j_));
+    LaneIntegers onI[6], onJ[6];
+    auto whole = [](LaneIntegers* to, double perUnit, const Vec3<Lanes>& v) {
+      to[0] = nearestIntegers(perUnit * v.x);
+      to[1] = nearestIntegers(perUnit * v.y);
+      to[2] = nearestIntegers(perUnit * v.z);
+    };
+    whole(onI, 1.0 / units_.force, contact.force);
+    for (int c = 0; c < 3; ++c) onJ[c] = -onI[c];
+    whole(onI + 3, 1.0 / units_.torque, contact.torqueI);
+    whole(onJ + 3, 1.0 / units_.torque, contact.torqueJ);
+    put(i_, onI, used);
+    put(j_, onJ, used);
+    if (energies_)
+      for (int k = 0; k < used; ++k)
+        if (job_.mine(i_[k]))
+          tally_.energy.add(contact.energy[static_cast<std::size_t>(k)], tally_.energyUnit);
+    tally_.resolved += used;
+    // What has been collected beyond a whole group moves to the front.
+    std::copy(i_ + used, i_ + count_, i_);
+    std::copy(j_ + used, j_ + count_, j_);
+    count_ -= used;
+  }
+
+  void put(const std::int32_t* segments, const LaneIntegers* sums, int used) const {
+    Row rows[laneCount];
+    toRows<6>(sums, rows);
+    for (int k = 0; k < used; ++k) {
+      if (!job_.mine(segments[k])) continue;
+      ForceSum& sum = job_.sum[segments[k]];
+      Row row;
+      std::memcpy(&row, &sum, sizeof row);
+      row += rows[k];
+      std::memcpy(&sum, &row, sizeof row);
+    }
+  }
+
+  const ContactLaw& law_;
+  Units units_;
+  const PairJob& job_;
+  bool energies_;
+  PairTally& tally_;
+  int count_ = 0;
+  std::int32_t i_[2 * laneCount], j_[2 * laneCount];
+};
+
+void lookAtGroups(ContactSum& sum, const LaneView& pairs, const PairJob& job) {
+  const std::int32_t* partners = pairs.partners;
+  for (const LaneGroup& group : pairs.groups) {
+    const Vec3<Lanes> x = gatherPositions(job.pose, group.first),
+                      e = axis1(gatherOrientations(job.pose, group.first));
+    for (int k = 0; k < group.depth(); ++k, partners += laneCount) {
+      unsigned valid = 0;
+      for (int lane = 0; lane < laneCount; ++lane)
+        valid |= static_cast<unsigned>(k < group.count[lane]) << lane;
+      sum.look(x, e, group.first, partners, valid);
+    }
+  }
+}
+
+void lookAtRim(ContactSum& sum, std::span<const ListPair> rim, const PairJob& job) {
+  for (std::size_t begin = 0; begin < rim.size(); begin += laneCount) {
+    const std::size_t used = std::min<std::size_t>(laneCount, rim.size() - begin);
+    std::int32_t i[laneCount], j[laneCount];
+    for (std::size_t k = 0; k < laneCount; ++k) {
+      const ListPair& p = rim[begin + std::min(k, used - 1)];
+      i[k] = p.i, j[k] = p.j;
+    }
+    sum.look(gatherPositions(job.pose, i), axis1(gatherOrientations(job.pose, i)), i, j,
+             (1u << used) - 1);
+  }
+}
+
+class ContactForce final : public PairForce {
+ public:
+  ContactForce(const ContactLaw& law, const PairTraits& traits, const PairChoice& choice)
+      : law_(law) {
+    traits_ = traits;
+    points_ = PointChoice{1, 1, Switch{}};
+    points_.blend.from = points_.blend.to = std::numeric_limits<double>::infinity();
+    exclude_ = choice.exclude;
+    length_ = choice.length;
+    cutoff_ = law.touch();
+    reach_ = law.reach();
+    setUnits(traits.largestForce, std::max(length_.i, length_.j));
+  }
+
+  void add(const PairJob& job, bool energies, PairTally& tally) const override {
+    ContactSum sum(law_, {forceUnit_, torqueUnit_}, job, energies, tally);
+    DrawnPairs::Ends begin{};
+    for (const auto& end : job.drawn->ends) {
+      lookAtGroups(sum, job.drawn->near.between(begin.near, end.near), job);
+      lookAtRim(sum, std::span(job.drawn->rim).subspan(begin.rim, end.rim - begin.rim), job);
+      begin = end;
+    }
+    sum.close();
+  }
+
+  PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj,
+                     Both<int> freeEnds) const override {
+    auto ends = [](int bits) {
+      return FreeEnds<double>{static_cast<double>(bits & 1), static_cast<double>(bits >> 1)};
+    };
+    const auto contact = law_(separation, axis1(qi), axis1(qj), ends(freeEnds.i), ends(freeEnds.j));
+    return {contact.energy, contact.force};
+  }
+  PairAction average(Both<int>, const Vec3d& separation, const Vec3d& ei,
+                     const Vec3d& ej) const override {
+    const auto contact = law_(separation, ei, ej, FreeEnds<double>{}, FreeEnds<double>{});
+    return {contact.energy, contact.force};
+  }
+  double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
+    return distanceOfPieces(separation, axis1(qi), axis1(qj), pointSpan());
+  }
+  bool touches() const override { return true; }
+  Both<double> pointSpan() const override { return {0.5 * length_.i, 0.5 * length_.j}; }
+
+ private:
+  ContactLaw law_;
+};
+
+}  // namespace
+
+std::unique_ptr<PairForce> makeContactForce(const ContactLaw& law, const PairTraits& traits,
+                                            const PairChoice& choice) {
+  return std::make_unique<ContactForce>(law, traits, choice);
+}
+
+}  // namespace nanoweft
