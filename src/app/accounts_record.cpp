@@ -7,20 +7,27 @@ namespace nanoweft {
 
 namespace {
 
-constexpr std::array names{"account_damped", "account_external", "account_broken"};
+/// The friction account, which many runs do not have, comes last.
+constexpr std::array names{"account_damped", "account_external", "account_broken",
+                           "account_friction"};
+constexpr std::size_t always = 3;
 
 }  // namespace
 
 void saveAccounts(RunRecord& record, const EnergyAccounts& accounts, MPI_Comm comm) {
-  ExactSum sums[] = {accounts.damped, accounts.external, accounts.broken};
+  ExactSum sums[] = {accounts.damped, accounts.external, accounts.broken, accounts.friction};
   ExactSum::reduce(sums, names.size(), comm);
-  for (std::size_t k = 0; k < names.size(); ++k)
-    record.integers[names[k]] = std::vector<std::int64_t>(sums[k].data(), sums[k].data() + 3);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::vector<std::int64_t> account(sums[k].data(), sums[k].data() + 3);
+    if (k < always || account != std::vector<std::int64_t>(3, 0))
+      record.integers[names[k]] = account;
+  }
 }
 
 void restoreAccounts(EnergyAccounts& accounts, const RunRecord& record, int rank) {
-  ExactSum* sums[] = {&accounts.damped, &accounts.external, &accounts.broken};
+  ExactSum* sums[] = {&accounts.damped, &accounts.external, &accounts.broken, &accounts.friction};
   for (std::size_t k = 0; k < names.size(); ++k) {
+    if (k >= always && !record.integers.contains(names[k])) continue;
     const auto& account = record.needIntegers(names[k], 3);
     if (rank == 0) std::ranges::copy(account, sums[k]->data());
   }

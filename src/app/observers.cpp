@@ -20,7 +20,7 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   // those that end the run.
   add(makeEnergyWatch(c));
   add(makeContactWatch(c));
-  add(makeEnergyTable(options, c.units, s.monitorInterval));
+  add(makeEnergyTable(options, c.units, c.pairs.rubs(), s.monitorInterval));
   add(makeKindTable(options, c.units, c.kinds, s.monitorInterval));
   add(makeStressTable(options, c.units, c.boundaries, s.monitorInterval));
   add(makeKindStressTable(options, c.units, c.kinds, c.boundaries, s.monitorInterval));

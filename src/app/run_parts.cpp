@@ -104,8 +104,9 @@ void RunParts::fillState() {
     throw InputError(
         "-fibre_rest_curvature, -fibre_rest_twist: not used by this run, whose bonds have rest "
         "rotations of their own (-weave_rest shaped, or rest_rotation in the state file)");
-  extras.viscous =
-      plan->settings.viscous || (plan->kinds.viscous() && !plan->settings.stepper->minimises);
+  extras.viscous = plan->settings.viscous || ((plan->kinds.viscous() || forces->pairs().rubs()) &&
+                                              !plan->settings.stepper->minimises);
+  extras.friction = forces->pairs().rubs();
   extras.ends = forces->pairs().touches();
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();

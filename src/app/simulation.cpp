@@ -17,7 +17,7 @@ namespace {
 constexpr double secondsPerSegmentWritten = 4e-6;
 
 /// What ranks tell each other in each step, as bits; the wishes of observers follow.
-enum Notice { stale = 1, unstable = 2, broke = 4, outdated = 8, firstWish = 16 };
+enum Notice { stale = 1, unstable = 2, broke = 4, outdated = 8, crowded = 16, firstWish = 32 };
 
 }  // namespace
 
@@ -94,6 +94,7 @@ void Simulation::step() {
   ForceRequest request;
   request.energies = view == View::energies;
   request.complete = false;
+  request.advance = parts_->stepper->dt();
   const ForceOutcome outcome =
       system_.forces.evaluate(system_.state, system_.domain.halo(), request);
   {
@@ -117,6 +118,7 @@ void Simulation::agreeAndPrepare(const DriftReport& drift) {
   if (drift.unstable) notices |= unstable;
   if (breaks_.waiting()) notices |= broke;
   if (forces.lists().outdated()) notices |= outdated;
+  if (forces.contacts().full()) notices |= crowded;
   int wish = firstWish;
   for (const auto& observer : observers_) {
     if (observer->wishes(now)) notices |= wish;
@@ -124,6 +126,11 @@ void Simulation::agreeAndPrepare(const DriftReport& drift) {
   }
   if (state.ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &notices, 1, MPI_INT, MPI_BOR, state.comm());
   if (notices & unstable) throwUnstable(now, parts_->plan->units, "");
+  if (notices & crowded)
+    throw RunError(
+        format("step %lld: a segment has more than %d contacts with friction, which is all "
+               "that it can remember",
+               static_cast<long long>(state.step), contactSlots));
   if (notices & broke) breaks_.spread(state);
   // A restart does not know whether bonds broke in the last step before it.
   if (state.extras().ends && (notices & broke || !std::exchange(prepared_, true)))
@@ -148,6 +155,7 @@ View Simulation::widestView() {
 
 void Simulation::note(const ForceOutcome& outcome, bool energies) {
   system_.accounts.broken.merge(outcome.released);
+  system_.accounts.friction.merge(outcome.friction);
   breaks_.note(outcome.broken);
   if (energies) energies_ = sumEnergies(system_.state, system_.forces, outcome, system_.accounts);
 }

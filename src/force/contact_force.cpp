@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "nanoweft/force/contact.hpp"
+#include "nanoweft/force/contact_history.hpp"
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/overlap.hpp"
 
@@ -26,12 +27,15 @@ FreeEnds<Lanes> freeEndsOf(const double* pose, const std::int32_t* index) {
 /// `laneCount` of them at a time.
 class ContactSum {
  public:
-  struct Units {
+  /// The law and the friction of a contact, and units of the integer sums.
+  struct Laws {
+    const ContactLaw& contact;
+    const FrictionLaw& friction;
+    Both<double> radius;
     double force, torque;
   };
-  ContactSum(const ContactLaw& law, const Units& units, const PairJob& job, bool energies,
-             PairTally& tally)
-      : law_(law), units_(units), job_(job), energies_(energies), tally_(tally) {}
+  ContactSum(const Laws& laws, const PairJob& job, bool energies, PairTally& tally)
+      : laws_(laws), law_(laws.contact), job_(job), energies_(energies), tally_(tally) {}
 
   /// Pairs of first segments at x with axes e and the partners j; `valid`: which lanes count.
   NW_INLINE void look(const Vec3<Lanes>& x, const Vec3<Lanes>& e, const std::int32_t* i,
@@ -66,21 +70,62 @@ class ContactSum {
       to[1] = nearestIntegers(perUnit * v.y);
       to[2] = nearestIntegers(perUnit * v.z);
     };
-    whole(onI, 1.0 / units_.force, contact.force);
+    whole(onI, 1.0 / laws_.force, contact.force);
     for (int c = 0; c < 3; ++c) onJ[c] = -onI[c];
-    whole(onI + 3, 1.0 / units_.torque, contact.torqueI);
-    whole(onJ + 3, 1.0 / units_.torque, contact.torqueJ);
+    whole(onI + 3, 1.0 / laws_.torque, contact.torqueI);
+    whole(onJ + 3, 1.0 / laws_.torque, contact.torqueJ);
     put(i_, onI, used);
     put(j_, onJ, used);
     if (energies_)
       for (int k = 0; k < used; ++k)
         if (job_.mine(i_[k]))
           tally_.energy.add(contact.energy[static_cast<std::size_t>(k)], tally_.energyUnit);
+    if (job_.friction && laws_.friction)
+      for (int k = 0; k < used; ++k) rub(i_[k], j_[k]);
     tally_.resolved += used;
     // What has been collected beyond a whole group moves to the front.
     std::copy(i_ + used, i_ + count_, i_);
     std::copy(j_ + used, j_ + count_, j_);
     count_ -= used;
+  }
+
+  /// Friction between two segments.
+  void rub(std::int32_t i, std::int32_t j) {
+    auto& [state, history, advance] = *job_.friction;
+    auto ends = [&](std::int32_t k) {
+      const int bits = state.freeEnds(k);
+      return FreeEnds<double>{static_cast<double>(bits & 1), static_cast<double>(bits >> 1)};
+    };
+    const Vec3d r = (*job_.nearest)(state.position(j) - state.position(i)),
+                ei = axis1(state.orientation(i));
+    const ContactPatch patch = law_.patch(r, ei, axis1(state.orientation(j)), ends(i), ends(j));
+    if (!(patch.load > 0)) return;
+    // Both segments of a contact hold its spring, where they are this thread's.
+    double* const atI = job_.mine(i) ? history.find(state, i, state.row[j]) : nullptr;
+    double* const atJ = job_.mine(j) ? history.find(state, j, state.row[i]) : nullptr;
+    double* const spring = atI ? atI : atJ;
+    if (!spring) return;
+    auto velocity = [](const double* of, std::int32_t k) {
+      return Vec3d{of[3 * k], of[3 * k + 1], of[3 * k + 2]};
+    };
+    const auto action = laws_.friction.act(patch, r, ei, laws_.radius.i,
+                                           {velocity(job_.velocity, i), velocity(job_.velocity, j),
+                                            velocity(job_.angular, i), velocity(job_.angular, j)},
+                                           advance, spring);
+    if (atI && atJ) std::copy_n(atI, 3, atJ);
+    auto add = [&](std::int32_t k, double sign, const Vec3d& torque) {
+      if (!job_.mine(k)) return;
+      const double force[3] = {action.forceI.x, action.forceI.y, action.forceI.z},
+                   turn[3] = {torque.x, torque.y, torque.z};
+      for (int c = 0; c < 3; ++c) {
+        job_.viscousSum[6 * k + c] +=
+            static_cast<std::int64_t>(sign) * std::llrint(force[c] / laws_.force);
+        job_.viscousSum[6 * k + 3 + c] += std::llrint(turn[c] / laws_.torque);
+      }
+    };
+    add(i, 1.0, action.torqueI);
+    add(j, -1.0, action.torqueJ);
+    if (job_.mine(i)) tally_.friction.add(action.power * advance, tally_.energyUnit);
   }
 
   void put(const std::int32_t* segments, const LaneIntegers* sums, int used) const {
@@ -96,8 +141,8 @@ class ContactSum {
     }
   }
 
+  const Laws laws_;
   const ContactLaw& law_;
-  Units units_;
   const PairJob& job_;
   bool energies_;
   PairTally& tally_;
@@ -134,8 +179,9 @@ void lookAtRim(ContactSum& sum, std::span<const ListPair> rim, const PairJob& jo
 
 class ContactForce final : public PairForce {
  public:
-  ContactForce(const ContactLaw& law, const PairTraits& traits, const PairChoice& choice)
-      : law_(law) {
+  ContactForce(const ContactLaw& law, const FrictionLaw& friction, const PairTraits& traits,
+               const PairChoice& choice)
+      : law_(law), friction_(friction) {
     traits_ = traits;
     points_ = PointChoice{1, 1, Switch{}};
     points_.blend.from = points_.blend.to = std::numeric_limits<double>::infinity();
@@ -147,7 +193,8 @@ class ContactForce final : public PairForce {
   }
 
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
-    ContactSum sum(law_, {forceUnit_, torqueUnit_}, job, energies, tally);
+    ContactSum sum({law_, friction_, traits_.radius, forceUnit_, torqueUnit_}, job, energies,
+                   tally);
     DrawnPairs::Ends begin{};
     for (const auto& end : job.drawn->ends) {
       lookAtGroups(sum, job.drawn->near.between(begin.near, end.near), job);
@@ -174,17 +221,19 @@ class ContactForce final : public PairForce {
     return distanceOfPieces(separation, axis1(qi), axis1(qj), pointSpan());
   }
   bool touches() const override { return true; }
+  bool rubs() const override { return static_cast<bool>(friction_); }
   Both<double> pointSpan() const override { return {0.5 * length_.i, 0.5 * length_.j}; }
 
  private:
   ContactLaw law_;
+  FrictionLaw friction_;
 };
 
 }  // namespace
 
-std::unique_ptr<PairForce> makeContactForce(const ContactLaw& law, const PairTraits& traits,
-                                            const PairChoice& choice) {
-  return std::make_unique<ContactForce>(law, traits, choice);
+std::unique_ptr<PairForce> makeContactForce(const ContactLaw& law, const FrictionLaw& friction,
+                                            const PairTraits& traits, const PairChoice& choice) {
+  return std::make_unique<ContactForce>(law, friction, traits, choice);
 }
 
 }  // namespace nanoweft

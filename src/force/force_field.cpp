@@ -31,7 +31,10 @@ struct ForceField::Tallies {
       outcome.released.merge(t.released);
       outcome.broken.insert(outcome.broken.end(), t.broken.begin(), t.broken.end());
     }
-    for (const PairTally& t : pairs) outcome.pair.merge(t.energy);
+    for (const PairTally& t : pairs) {
+      outcome.pair.merge(t.energy);
+      outcome.friction.merge(t.friction);
+    }
     return outcome;
   }
 };
@@ -60,7 +63,9 @@ void ForceField::rebuild(State& state, Domain& domain) {
     const ForceSum* before = sums_.data();
     sums_.resize(static_cast<std::size_t>(state.owned()) + shares().size());
     if (sums_.data() != before) preferHugePages(sums_.data(), sums_.capacity() * sizeof(ForceSum));
-    if (settings_.viscous) viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
+    if (settings_.viscous || settings_.pairs.rubs())
+      viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
+    if (settings_.pairs.rubs()) contacts_.rebuild(state);
   }
   bondsKnown_ = false;
 }
@@ -85,8 +90,10 @@ PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous
   return job;
 }
 
-void ForceField::addPairs(const State& state, std::size_t thread, bool outer, Tallies& tallies) {
+void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies& tallies) {
   PairJob job = pairJob(state, thread, tallies.viscousPairs);
+  FrictionJob friction{state, contacts_, tallies.request.advance};
+  if (tallies.viscousPairs && settings_.pairs.rubs()) job.friction = &friction;
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
     const PairForce& force = *settings_.pairs.classes()[c].force;
     PairList& list = lists_.pairs()[c];
@@ -151,7 +158,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   const bool viscous = state.extras().viscous && request.viscous;
   Tallies tallies{request,
                   viscous && settings_.kinds.viscous(),
-                  viscous && pairs && settings_.viscous,
+                  viscous && pairs && (settings_.viscous || settings_.pairs.rubs()),
                   lists_.takeDrawing(),
                   std::exchange(followed_, {}),
                   std::vector<PairTally>(threads)};
@@ -179,9 +186,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   if (pairs) {
     const LogScope log(pairEvent_);
     onShares(threads, [&](std::size_t t) {
-      if (tallies.viscousPairs)
-        std::fill(viscousSums_.begin() + 6 * shares()[t].begin,
-                  viscousSums_.begin() + 6 * shares()[t].end, 0);
+      if (tallies.viscousPairs) startViscous(shares()[t]);
       addPairs(state, t, false, tallies);
     });
   }
@@ -230,7 +235,13 @@ void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
   }
 }
 
-void ForceField::handOverViscous(State& state, Share share) const {
+void ForceField::startViscous(Share share) {
+  std::fill(viscousSums_.begin() + 6 * share.begin, viscousSums_.begin() + 6 * share.end, 0);
+  if (settings_.pairs.rubs()) contacts_.begin(share);
+}
+
+void ForceField::handOverViscous(State& state, Share share) {
+  if (settings_.pairs.rubs()) contacts_.end(state, share);
   const double forceUnit = settings_.pairs.forceUnit(), torqueUnit = settings_.pairs.torqueUnit();
   for (std::int32_t i = share.begin; i < share.end; ++i)
     for (int c = 0; c < 3; ++c) {

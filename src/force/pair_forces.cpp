@@ -27,6 +27,10 @@ bool PairForces::touches() const {
   return std::ranges::any_of(classes_, [](const Class& c) { return c.force->touches(); });
 }
 
+bool PairForces::rubs() const {
+  return std::ranges::any_of(classes_, [](const Class& c) { return c.force->rubs(); });
+}
+
 double PairForces::reach() const {
   double farthest = 0;
   for (const Class& c : classes_) farthest = std::max(farthest, c.force->reach());

@@ -5,9 +5,10 @@ namespace nanoweft {
 Energies sumEnergies(const State& state, const ForceField& forces, const ForceOutcome& outcome,
                      const EnergyAccounts& accounts) {
   const SumUnit& unit = forces.energyUnit();
-  ExactSum sums[10] = {
-      outcome.stretch, outcome.shear,     outcome.bending, outcome.torsion, outcome.pair, {}, {},
-      accounts.damped, accounts.external, accounts.broken};
+  constexpr int count = 11;
+  ExactSum sums[count] = {
+      outcome.stretch, outcome.shear,     outcome.bending, outcome.torsion,  outcome.pair, {}, {},
+      accounts.damped, accounts.external, accounts.broken, accounts.friction};
   std::int64_t brokenBonds = 0;
   for (int i = 0; i < state.owned(); ++i) {
     const double* v = state.velocity + 3 * i;
@@ -20,12 +21,15 @@ Energies sumEnergies(const State& state, const ForceField& forces, const ForceOu
   }
   for (std::size_t k = 0; k < state.links.size(); ++k)
     brokenBonds += state.links[k].broken && forces.links().ends(k)[0] < state.owned();
-  ExactSum::reduce(sums, 10, state.comm());
+  ExactSum::reduce(sums, count, state.comm());
   MPI_Allreduce(MPI_IN_PLACE, &brokenBonds, 1, MPI_INT64_T, MPI_SUM, state.comm());
   Energies e;
-  double* const values[10] = {&e.stretch, &e.shear,      &e.bending, &e.torsion,  &e.pair,
-                              &e.kinetic, &e.rotational, &e.damped,  &e.external, &e.broken};
-  for (int k = 0; k < 10; ++k) *values[k] = sums[k].value(unit);
+  double* const values[count] = {&e.stretch,  &e.shear,   &e.bending,    &e.torsion,
+                                 &e.pair,     &e.kinetic, &e.rotational, &e.damped,
+                                 &e.external, &e.broken,  &e.friction};
+  for (int k = 0; k < count; ++k) *values[k] = sums[k].value(unit);
+  // Steppers book all that viscous forces take out.
+  e.damped -= e.friction;
   e.brokenBonds = brokenBonds;
   return e;
 }

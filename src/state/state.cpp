@@ -88,7 +88,7 @@ void State::addOwned(int n) {
     f.visit(*this, [&]<class T>(T* values) {
       const auto components = static_cast<std::size_t>(f.components);
       for (std::size_t k = components * begin; values && k < components * end; ++k)
-        values[k] = static_cast<T>(f.fresh[k % components]);
+        values[k] = static_cast<T>(f.freshAt(k % components));
     });
   owned_ += n;
 }

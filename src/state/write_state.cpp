@@ -1,7 +1,9 @@
 #include <petscsf.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <numeric>
 #include <optional>
 
 #include "nanoweft/base/error.hpp"
@@ -158,6 +160,35 @@ void writeKinds(DatasetWriter& writer, hid_t group, const State& state, const Ro
   writer.note(set.valid() && h5::writeAttribute(set, kindsAttribute, names));
 }
 
+/// The segments' fields, with each segment's contacts in the order of their partners: which slot
+/// one has depends on ranks and threads.
+struct SortedContacts {
+  SegmentFields fields;
+  std::vector<std::int64_t> contact;
+  std::vector<double> spring;
+
+  explicit SortedContacts(const State& state) : fields(state) {
+    if (!state.contact) return;
+    constexpr auto slots = static_cast<std::size_t>(contactSlots);
+    const auto n = static_cast<std::size_t>(state.owned());
+    std::array<std::size_t, slots> order;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t* const partner = state.contact + slots * i;
+      std::iota(order.begin(), order.end(), 0);
+      // Empty slots, which are 0, go last.
+      std::ranges::sort(order, {},
+                        [&](std::size_t k) { return static_cast<std::uint64_t>(partner[k]) - 1; });
+      for (const std::size_t k : order) {
+        contact.push_back(partner[k]);
+        const double* s = state.spring + 3 * (slots * i + k);
+        spring.insert(spring.end(), s, s + 3);
+      }
+    }
+    fields.contact = contact.data();
+    fields.spring = spring.data();
+  }
+};
+
 void writeSegments(DatasetWriter& writer, hid_t group, const State& state, const RowOrder& ordered,
                    const OrderedRows& rows, bool forces) {
   const auto n = static_cast<std::size_t>(state.owned());
@@ -182,9 +213,10 @@ void writeSegments(DatasetWriter& writer, hid_t group, const State& state, const
   writer.write(group, "orientation", 4, ordered(orientation.data(), 4));
   writer.write(group, "fibre", 1, fibre);
   writer.write(group, "index", 1, ordered(index.data(), 1));
+  const SortedContacts contacts(state);
   auto writeFields = [&](Stored which) {
     for (const Field& f : fields)
-      f.visit(state, [&](const auto* values) {
+      f.visit(contacts.fields, [&](const auto* values) {
         if (f.stored == which && values)
           writer.write(group, f.name, f.components, ordered(values, f.components));
       });

@@ -19,6 +19,7 @@ struct ObserverContext {
   const UnitSystem& units;
   const Boundaries& boundaries;
   const Kinds& kinds;
+  const PairForces& pairs;
 };
 
 using Observers = std::vector<std::unique_ptr<Observer>>;

@@ -39,6 +39,13 @@ struct ContactAction {
   Vec3<V> force, torqueI, torqueJ;
 };
 
+/// Where and how hard two segments press on each other: means over their contact, weighted by load.
+struct ContactPatch {
+  double load = 0, stiffness = 0;  ///< normal force and its slope by the overlap
+  double placeI = 0, overlap = 0;  ///< along i's axis from its centre
+  Vec3d normal;                    ///< unit vector from i to j
+};
+
 class ContactLaw {
  public:
   /// `modulus`: E*.
@@ -102,6 +109,52 @@ class ContactLaw {
     action.torqueI = -cross(ei, slopes.a * r + slopes.c * ej);
     action.torqueJ = -cross(ej, slopes.b * r + slopes.c * ei);
     return action;
+  }
+
+  /// What friction acts on; the load is zero where the segments do not touch.
+  ContactPatch patch(const Vec3d& r, const Vec3d& ei, const Vec3d& ej,
+                     const FreeEnds<double>& endsI, const FreeEnds<double>& endsJ) const {
+    ContactPatch sum;
+    auto add = [&](double load, double stiffness, double placeI, double placeJ) {
+      const Vec3d n = r + placeJ * ej - placeI * ei;
+      const double rho = norm(n);
+      if (!(load > 0 && rho > 0)) return;
+      sum.load += load;
+      sum.stiffness += stiffness;
+      sum.placeI += load * placeI;
+      sum.overlap += load * (touch_ - rho);
+      sum.normal += (load / rho) * n;
+    };
+    auto overlapAt = [&](double placeI, double placeJ) {
+      return larger(touch_ - norm(r + placeJ * ej - placeI * ei), 0.0);
+    };
+    const double a = dot(r, ei), b = dot(r, ej), c = dot(ei, ej),
+                 sine = root(larger(1.0 - c * c, 0.0));
+    const double k = step(5.0 * sine - 1.0).value;
+    if (k > 0) {
+      const double s = (a - c * b) / (sine * sine), t = (c * a - b) / (sine * sine);
+      const double d = overlapAt(s, t), weight = k * share(s / length_.i, endsI).value *
+                                                 share(t / length_.j, endsJ).value;
+      const double slope = 2.5 * crossed_ * d * root(d / sine);
+      add(weight * slope, d > 0 ? 1.5 * weight * slope / d : 0.0, s, t);
+    }
+    for (int n = 0; n < points_ && k < 1; ++n) {
+      const double part = (n + 0.5) / points_ - 0.5;
+      auto addPoint = [&](double placeI, double placeJ, double own, double phi) {
+        const double d = overlapAt(placeI, placeJ),
+                     weight = (1.0 - k) * own / points_ * phi * line_;
+        add(weight * d, weight, placeI, placeJ);
+      };
+      const double u = part * length_.i, t = u * c - b, v = part * length_.j, s = a + v * c;
+      addPoint(u, t, length_.i, share(t / length_.j, endsJ).value);
+      addPoint(s, v, length_.j, share(s / length_.i, endsI).value);
+    }
+    if (!(sum.load > 0)) return sum;
+    sum.placeI /= sum.load;
+    sum.overlap /= sum.load;
+    const double size = norm(sum.normal);
+    sum.normal = (size > 0 ? 1.0 / size : 0.0) * sum.normal;
+    return sum;
   }
 
  private:

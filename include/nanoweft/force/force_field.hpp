@@ -6,6 +6,7 @@
 
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/force/contact_history.hpp"
 #include "nanoweft/force/link_forces.hpp"
 #include "nanoweft/force/list_keeper.hpp"
 
@@ -15,6 +16,7 @@ namespace nanoweft {
 struct ForceOutcome {
   ExactSum stretch, shear, bending, torsion, pair;  ///< when energies were asked for
   ExactSum released;                                ///< energy of bonds that broke
+  ExactSum friction;                                ///< work that friction took out
   std::vector<std::int64_t> broken;                 ///< rows of the first segments of those bonds
 };
 
@@ -22,6 +24,7 @@ struct ForceRequest {
   bool energies = false;
   bool mayBreak = true;
   bool viscous = true;   ///< false: leave State::viscous as it is
+  double advance = 0;    ///< time since the last evaluation, by which friction's springs advance
   bool complete = true;  ///< false: pair forces are left to a ForcePass
 };
 
@@ -59,6 +62,7 @@ class ForceField {
   const MinimumImage& nearest() const { return nearest_; }
   const Breakage& breakage() const { return settings_.breakage; }
   const LinkForces& links() const { return links_; }
+  const ContactHistory& contacts() const { return contacts_; }
   const SumUnit& energyUnit() const { return energyUnit_; }
   /// Lets bonds flow plastically, and returns the elastic energy that this rank's bonds lost. To be
   /// called after an evaluation, before segments move.
@@ -69,7 +73,7 @@ class ForceField {
   friend class ForcePass;
   struct Tallies;
   PairJob pairJob(const State& state, std::size_t thread, bool viscous);
-  void addPairs(const State& state, std::size_t thread, bool outer, Tallies& tallies);
+  void addPairs(State& state, std::size_t thread, bool outer, Tallies& tallies);
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);
   /// Adds the bonds with a ghost, and the links.
   void addOuterBonds(State& state, Tallies& tallies);
@@ -78,7 +82,8 @@ class ForceField {
   void clear(State& state, std::size_t thread) const;
   /// Adds the summed pair forces on segments begin <= i < end to State::force and torque.
   void handOver(State& state, std::int32_t begin, std::int32_t end);
-  void handOverViscous(State& state, Share share) const;
+  void startViscous(Share share);
+  void handOverViscous(State& state, Share share);
   void notePairs(const Tallies& tallies);
 
   Settings settings_;
@@ -86,6 +91,7 @@ class ForceField {
   SumUnit energyUnit_;
   ListKeeper lists_;
   LinkForces links_;
+  ContactHistory contacts_;
   std::vector<BondTally> followed_;  ///< what the threads of a ForcePass found in their bonds
   bool bondsKnown_ = false;          ///< a ForcePass has added the threads' own bonds already
   bool owed_ = false;                ///< pair forces wait in sums_ for a ForcePass

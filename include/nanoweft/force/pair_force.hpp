@@ -27,6 +27,15 @@ namespace nanoweft {
 
 class PairTable;
 class Hertz;
+class ContactHistory;
+class State;
+
+/// What contacts with friction need besides; their forces go to viscousSum.
+struct FrictionJob {
+  State& state;
+  ContactHistory& history;
+  double advance;  ///< time since the last evaluation with friction
+};
 
 class PairForce;
 
@@ -52,11 +61,15 @@ struct PairJob {
   std::int64_t* viscousSum = nullptr;
   ViscousDamping viscous;
 
+  // With friction only:
+  FrictionJob* friction = nullptr;
+
   bool mine(std::int32_t segment) const { return segment >= begin && segment < end; }
 };
 
 struct PairTally {
-  ExactSum energy;  ///< unit: energyUnit of the force field
+  ExactSum friction;  ///< work that friction has taken out
+  ExactSum energy;    ///< unit: energyUnit of the force field
   SumUnit energyUnit;
   std::int64_t resolved = 0;    ///< pairs that the kernel has resolved
   std::int64_t pointPairs = 0;  ///< point pairs in those
@@ -129,6 +142,8 @@ class PairForce {
   double contactStiffness() const { return traits_.contactStiffness; }
   /// Does it act where axes come closest, and not between points?
   virtual bool touches() const { return false; }
+  /// Has it friction, or damping that its contacts bring along?
+  virtual bool rubs() const { return false; }
   /// Places of the outermost points of near pairs, from the centres.
   virtual Both<double> pointSpan() const;
   Both<double> radius() const { return traits_.radius; }

@@ -27,6 +27,8 @@ class PairForces {
 
   /// Does any of them touch where axes come closest?
   bool touches() const;
+  /// Has any of them friction?
+  bool rubs() const;
   explicit operator bool() const { return !classes_.empty(); }
   const std::vector<Class>& classes() const { return classes_; }
   /// Between segments of two kinds, in any order; null where they do not interact.

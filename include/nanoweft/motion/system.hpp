@@ -10,9 +10,10 @@
 namespace nanoweft {
 
 /// Energy taken out by damping and broken bonds, and brought in by boundaries, since the start, on
-/// this rank.
+/// this rank. Friction has a part in `damped`.
 struct EnergyAccounts {
   ExactSum damped, external, broken;
+  ExactSum friction;
 };
 
 struct System {

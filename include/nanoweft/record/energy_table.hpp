@@ -9,7 +9,9 @@
 
 namespace nanoweft {
 
-/// Reads the option; a row every `interval` steps. Null when no table is wanted.
-std::unique_ptr<Observer> makeEnergyTable(Options& options, const UnitSystem& units, long interval);
+/// Reads the option; a row every `interval` steps, with a column for the work of friction where
+/// there is `friction`. Null when no table is wanted.
+std::unique_ptr<Observer> makeEnergyTable(Options& options, const UnitSystem& units, bool friction,
+                                          long interval);
 
 }  // namespace nanoweft

@@ -11,12 +11,16 @@
 
 namespace nanoweft {
 
+/// Contacts with friction that a segment may have at a time.
+inline constexpr int contactSlots = 16;
+
 /// Fields that only some scenes need.
 struct ExtraFields {
   bool gap = false;        ///< which neighbours along a fibre have parted (breakage)
   bool viscous = false;    ///< viscous force and torque
   bool rest = false;       ///< bonds with rest rotations of their own
   bool ends = false;       ///< ends without a bond (contacts)
+  bool friction = false;   ///< springs of contacts
   bool extension = false;  ///< bonds with rest lengths of their own
 };
 
@@ -42,6 +46,9 @@ struct SegmentFields {
   /// With contacts only: State::freeEnds. A restart cannot tell them from the bonds, since a bond
   /// that broke in the last evaluation leaves free ends from the next one on.
   std::int32_t* ends = nullptr;
+  // With friction only, for each of `contactSlots` contacts:
+  std::int64_t* contact = nullptr;  ///< row of the other segment, plus one; 0: none
+  double* spring = nullptr;         ///< [3]: the tangential spring
   // With rest rotations of single bonds only, of the bond to the successor:
   double* rest = nullptr;      ///< [3]: rotation vector, body axes
   double* restHalf = nullptr;  ///< [4]: half of that rotation as a quaternion
@@ -70,8 +77,11 @@ struct Field {
   Stored stored;
   Ghosts ghosts = Ghosts::never;
   bool ExtraFields::*extra = nullptr;  ///< null: every scene has it
-  std::array<double, 8> fresh{};       ///< of a new segment
+  std::array<double, 8> fresh{};       ///< of a new segment; zero beyond
 
+  double freshAt(std::size_t component) const {
+    return component < fresh.size() ? fresh[component] : 0.0;
+  }
   bool whole() const { return member.index() > 0; }  ///< holds integers
   constexpr std::size_t bytes() const {              ///< of a segment
     return static_cast<std::size_t>(components) * (member.index() == 2 ? 4 : 8);
@@ -109,6 +119,10 @@ inline constexpr Field fields[] = {
     {&SegmentFields::gap, "gap", 4, Stored::extra, Ghosts::never, &ExtraFields::gap},
     {&SegmentFields::viscous, "viscous", 6, Stored::extra, Ghosts::never, &ExtraFields::viscous},
     {&SegmentFields::ends, "free_ends", 1, Stored::extra, Ghosts::never, &ExtraFields::ends},
+    {&SegmentFields::contact, "contact", contactSlots, Stored::extra, Ghosts::never,
+     &ExtraFields::friction},
+    {&SegmentFields::spring, "contact_spring", 3 * contactSlots, Stored::extra, Ghosts::never,
+     &ExtraFields::friction},
     {&SegmentFields::rest, "rest_rotation", 3, Stored::extra, Ghosts::whenBuilt,
      &ExtraFields::rest},
     {&SegmentFields::restHalf, "rest_half", 4, Stored::no, Ghosts::whenBuilt, &ExtraFields::rest,
