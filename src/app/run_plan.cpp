@@ -49,8 +49,8 @@ bool RunPlan::linked() const {
 }
 
 double RunPlan::restDistance(int a, int b) const {
-  const PairForce* pair = pairs.between(a, b);
-  return pair ? pair->restDistance() : usualRestDistance(kinds[a], kinds[b], units);
+  const auto rest = pairs.restDistance(a, b);
+  return rest ? *rest : usualRestDistance(kinds[a], kinds[b], units);
 }
 
 void RunPlan::readBox(Options& options) {

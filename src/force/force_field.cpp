@@ -86,7 +86,8 @@ PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous
 void ForceField::addPairs(const State& state, std::size_t thread, bool outer, Tallies& tallies) {
   PairJob job = pairJob(state, thread, tallies.viscous);
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
-    const PairForce& force = *settings_.pairs.classes()[c].force;
+    const auto& [first, second, law, widest] = settings_.pairs.classes()[c];
+    const PairForce& force = *law;
     PairList& list = lists_.pairs()[c];
     DrawnPairs& drawn = outer ? list.drawn()[thread].outer : list.drawn()[thread].inner;
     if (tallies.margin > 0)
@@ -94,6 +95,7 @@ void ForceField::addPairs(const State& state, std::size_t thread, bool outer, Ta
                  nearest_, tallies.margin, drawn);
     job.drawn = &drawn;
     job.viscous = settings_.viscous.between(force);
+    job.viscousSum = tallies.viscous && widest ? viscousSums_.data() : nullptr;
     force.add(job, tallies.request.energies, tallies.pairs[thread]);
   }
 }
