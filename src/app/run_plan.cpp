@@ -32,7 +32,7 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
                       options.helpWanted() || checkpoint)),
       links(readLinkLaw(options, units, kinds, linked() || options.helpWanted())),
       boundaries(options, units, kinds, restDistance(0, 0)),
-      observers(makeObservers(options, {settings, units, boundaries, kinds})) {
+      observers(makeObservers(options, {settings, units, boundaries, kinds, pairs})) {
   readBox(options);
   options.refuseUnknown();
   if (options.helpWanted()) return;
@@ -49,8 +49,8 @@ bool RunPlan::linked() const {
 }
 
 double RunPlan::restDistance(int a, int b) const {
-  const PairForce* pair = pairs.between(a, b);
-  return pair ? pair->restDistance() : usualRestDistance(kinds[a], kinds[b], units);
+  const auto rest = pairs.restDistance(a, b);
+  return rest ? *rest : usualRestDistance(kinds[a], kinds[b], units);
 }
 
 void RunPlan::readBox(Options& options) {

@@ -476,10 +476,19 @@ std::string OptionSection::text(const std::string& name, const std::string& fall
       .value_or(fallback);
 }
 
-std::string OptionSection::choice(const std::string& name, const std::string& fallback,
-                                  const std::vector<std::string>& choices, const char* help) {
+namespace {
+
+std::string barred(const std::vector<std::string>& choices) {
   std::string list;
   for (const std::string& c : choices) list += (list.empty() ? "" : "|") + c;
+  return list;
+}
+
+}  // namespace
+
+std::string OptionSection::choice(const std::string& name, const std::string& fallback,
+                                  const std::vector<std::string>& choices, const char* help) {
+  const std::string list = barred(choices);
   return read<std::string>({name, fallback, "", help + (" (" + list + ")")}, fallback,
                            [&](const std::string& as, const std::string& text) {
                              if (std::ranges::find(choices, text) == choices.end())
@@ -487,6 +496,28 @@ std::string OptionSection::choice(const std::string& name, const std::string& fa
                                                        text.c_str(), list.c_str()));
                              return text;
                            })
+      .value_or(fallback);
+}
+
+std::vector<std::string> OptionSection::choices(const std::string& name,
+                                                const std::vector<std::string>& fallback,
+                                                const std::vector<std::string>& choices,
+                                                const char* help) {
+  const std::string list = barred(choices);
+  auto parse = [&](const std::string& as, const std::string& text) {
+    const std::vector<std::string> parts = split(text);
+    for (auto part = parts.begin(); part != parts.end(); ++part) {
+      if (std::ranges::find(choices, *part) == choices.end())
+        throw InputError(format("-%s '%s': must be one of %s%s", as.c_str(), text.c_str(),
+                                list.c_str(), parts.size() > 1 ? ", or several of these" : ""));
+      if (std::find(parts.begin(), part, *part) != part)
+        throw InputError(
+            format("-%s '%s': %s stands there twice", as.c_str(), text.c_str(), part->c_str()));
+    }
+    return parts;
+  };
+  return read<std::vector<std::string>>({name, canonical(fallback), "", help + (" (" + list + ")")},
+                                        fallback, parse)
       .value_or(fallback);
 }
 

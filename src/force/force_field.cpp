@@ -95,7 +95,8 @@ void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies&
   FrictionJob friction{state, contacts_, tallies.request.advance};
   if (tallies.viscousPairs && settings_.pairs.rubs()) job.friction = &friction;
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
-    const PairForce& force = *settings_.pairs.classes()[c].force;
+    const auto& [first, second, law, widest] = settings_.pairs.classes()[c];
+    const PairForce& force = *law;
     PairList& list = lists_.pairs()[c];
     DrawnPairs& drawn = outer ? list.drawn()[thread].outer : list.drawn()[thread].inner;
     if (tallies.margin > 0)
@@ -103,6 +104,7 @@ void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies&
                  nearest_, tallies.margin, drawn);
     job.drawn = &drawn;
     job.viscous = settings_.viscous.between(force);
+    job.viscousSum = tallies.viscous && widest ? viscousSums_.data() : nullptr;
     force.add(job, tallies.request.energies, tallies.pairs[thread]);
   }
 }

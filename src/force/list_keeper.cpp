@@ -45,7 +45,10 @@ void ListKeeper::makePairLists(State& state, const Domain& domain, const CellInd
   if (settings_.kinds.several())
     listKinds(state);
   else
-    pairs_[0].build(state, {domain.grid(), cells}, shares_, range(), settings_.pairs.exclude());
+    for (std::size_t c = 0; c < pairs_.size(); ++c)
+      pairs_[c].build(state, {domain.grid(), cells}, shares_,
+                      settings_.pairs.classes()[c].force->reach() + skin_,
+                      settings_.pairs.exclude());
   tuneMargin(state);
   startDrawing(state);
   reference_.resize(3 * static_cast<std::size_t>(state.owned()));
@@ -69,7 +72,7 @@ void ListKeeper::listKinds(const State& state) {
     if (state.box.periodic[d]) lower[d] = state.box.lower[d], upper[d] = state.box.upper[d];
   const auto& classes = settings_.pairs.classes();
   for (std::size_t c = 0; c < classes.size(); ++c) {
-    const auto& [first, second, force] = classes[c];
+    const auto& [first, second, force, widest] = classes[c];
     const auto& others = ofKind[static_cast<std::size_t>(second)];
     const double range = force->reach() + skin_;
     // Cells for the others' own range: those for a range far beyond it would hold too many.

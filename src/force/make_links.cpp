@@ -14,6 +14,7 @@ namespace {
 std::vector<ListPair> places(const State& state, const ForceField& forces, double distance) {
   std::vector<ListPair> found;
   for (std::size_t c = 0; c < forces.pairs().classes().size(); ++c) {
+    if (!forces.pairs().classes()[c].widest) continue;
     const Both<double> length = forces.pairs().classes()[c].force->length();
     for (std::size_t t = 0; t < forces.shares().size(); ++t) {
       const Share share = forces.shares()[t];

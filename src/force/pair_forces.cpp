@@ -15,12 +15,21 @@ PairForces::PairForces(std::vector<Class> classes) : classes_(std::move(classes)
     length = std::max({length, c.force->length().i, c.force->length().j});
   }
   for (const Class& c : classes_) c.force->setUnits(largest, length);
+  for (Class& c : classes_) c.widest = between(c.first, c.second) == c.force.get();
 }
 
 const PairForce* PairForces::between(int a, int b) const {
+  const PairForce* widest = nullptr;
   for (const Class& c : classes_)
-    if ((c.first == a && c.second == b) || (c.first == b && c.second == a)) return c.force.get();
-  return nullptr;
+    if (c.between(a, b) && (!widest || c.force->reach() > widest->reach())) widest = c.force.get();
+  return widest;
+}
+
+std::optional<double> PairForces::restDistance(int a, int b) const {
+  std::optional<double> largest;
+  for (const Class& c : classes_)
+    if (c.between(a, b)) largest = std::max(largest.value_or(0.0), c.force->restDistance());
+  return largest;
 }
 
 bool PairForces::touches() const {

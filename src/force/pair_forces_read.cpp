@@ -9,8 +9,10 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/force/contact_read.hpp"
 #include "nanoweft/force/hertz.hpp"
 #include "nanoweft/force/pair_forces.hpp"
+#include "nanoweft/force/pair_reader.hpp"
 #include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/force/vdw.hpp"
 
@@ -24,34 +26,16 @@ constexpr double restGap = 17.343571 / 6.78 - 2.0, farPlace = 30.0 / 6.78, farWi
 /// Arc length, in diameters, within which segments of one fibre do not interact.
 constexpr double excludedDiameters = 20;
 
-const char* topic = "Pair forces";
+constexpr const char* topic = PairReader::topic;
 /// Stands for the law between two kinds whose own laws differ.
-const char* undecided = "undecided";
-
-/// Two kinds of fibre, or twice the same, whose pair force is read.
-struct Reader {
-  Options& options;
-  const UnitSystem& units;
-  const Fibre &a, &b;
-  std::string prefix;  ///< of the options meant for these two: "cnt_mw_", or nothing
-  std::string chosen;  ///< law
-
-  OptionSection of(const char* law) const {
-    return {options, topic, chosen == law, "-pair is " + chosen};
-  }
-  bool is(const char* law) const { return chosen == law; }
-  bool mixed() const { return &a != &b; }
-  /// An option meant for these two, for messages.
-  std::string option(const char* name) const { return "-" + prefix + name; }
-  /// Distance of the axes of two fibres that touch.
-  double touch() const { return a.radius + b.radius; }
-};
+const std::vector<std::string> undecided{"undecided"};
 
 /// What a law says between fibres of one kind; from this follow its defaults between two kinds.
 struct OwnLaw {
-  std::string chosen;
+  std::vector<std::string> chosen;
   VdwParameters vdw;
   double hertz = 0;
+  SurfaceValues surface;
 };
 
 double geometric(double x, double y) {
@@ -86,7 +70,7 @@ VdwParameters meanOf(const VdwParameters& x, const VdwParameters& y) {
 }
 
 /// The parameters per pair of segments of length 2 lambda, without switch and cutoff.
-VdwParameters readVdw(const Reader& read, const VdwParameters& usual) {
+VdwParameters readVdw(const PairReader& read, const VdwParameters& usual) {
   OptionSection s = read.of("vdw");
   const UnitSystem& units = read.units;
   VdwParameters p = usual;
@@ -117,32 +101,55 @@ VdwParameters readVdw(const Reader& read, const VdwParameters& usual) {
   return p;
 }
 
-void readRange(const Reader& read, VdwParameters& p) {
+/// The chosen laws that reach beyond contact.
+std::vector<std::string> rangedLaws(const PairReader& read) {
+  std::vector<std::string> ranged;
+  if (read.is("vdw")) ranged.push_back("vdw");
+  for (const SurfaceLawType& type : surfaceLaws())
+    if (read.is(type.name)) ranged.push_back(type.name);
+  return ranged;
+}
+
+/// The range by -pair_..., meant for the only law that has one.
+GivenRange readRange(const PairReader& read) {
   const char* unit = read.units.length;
   const bool kinds = !read.a.kind.empty();
-  OptionSection distance(read.options, topic, read.is("vdw") && !kinds,
-                         kinds ? "with -kinds, ranges are gaps: -pair_gap_switch, -pair_gap_cutoff"
-                               : "-pair is " + read.chosen);
-  OptionSection gap = read.of("vdw");
-  auto place = [&](const char* name, const char* gapName, double lengths, const char* what) {
-    const std::string shown = format("2 rf + %g lambda", lengths),
-                      shownGap = format("%g lambda", lengths);
+  const auto ranged = rangedLaws(read);
+  const std::string reason =
+      "-pair is " + read.laws() +
+      (ranged.size() < 2 ? "" : ": give -" + ranged[0] + "_gap_... or -" + ranged[1] + "_gap_...");
+  OptionSection distance(
+      read.options, topic, ranged.size() == 1 && !kinds,
+      kinds ? "with -kinds, ranges are gaps: -pair_gap_switch, -pair_gap_cutoff" : reason);
+  OptionSection gap(read.options, topic, ranged.size() == 1, reason);
+  auto place = [&](const char* name, const char* gapName, int lengths,
+                   const char* what) -> std::optional<double> {
+    const std::string shown = format("2 rf + %d lambda", lengths),
+                      shownGap = format("%d lambda", lengths);
     const auto whole = distance.maybeReal(name, shown.c_str(), unit, what, positive);
     const auto part =
         gap.maybeReal(gapName, shownGap.c_str(), unit,
                       format("the same as a gap between surfaces: %s", what).c_str(), positive);
     if (whole && part) throw InputError(format("-%s, -%s: give one of the two", name, gapName));
-    return whole ? *whole : read.touch() + part.value_or(lengths * p.length);
+    return whole ? whole : part ? std::optional(read.touch() + *part) : std::nullopt;
   };
-  p.switchFrom =
-      place("pair_switch", "pair_gap_switch", 4.0, "distance where the switch-off begins");
-  p.cutoff = place("pair_cutoff", "pair_gap_cutoff", 6.0, "distance where pair forces end");
+  GivenRange range;
+  range.from = place("pair_switch", "pair_gap_switch", 4, "distance where the switch-off begins");
+  range.to = place("pair_cutoff", "pair_gap_cutoff", 6, "distance where pair forces end");
+  return range;
+}
+
+void readVdwRange(const PairReader& read, const GivenRange& common, VdwParameters& p) {
+  const GivenRange given = readOwnRange(read, "vdw", common, {"4 lambda", "6 lambda"});
+  p.switchFrom = given.from.value_or(read.touch() + 4.0 * p.length);
+  p.cutoff = given.to.value_or(read.touch() + 6.0 * p.length);
   if (p.cutoff <= p.switchFrom)
     throw InputError(
-        kinds ? format("%s %g: must lie beyond %s %g", read.option("pair_gap_cutoff").c_str(),
-                       p.cutoff - read.touch(), read.option("pair_gap_switch").c_str(),
-                       p.switchFrom - read.touch())
-              : format("-pair_cutoff %g: must lie beyond -pair_switch %g", p.cutoff, p.switchFrom));
+        !read.a.kind.empty()
+            ? format("%s %g: must lie beyond %s %g", read.option("pair_gap_cutoff").c_str(),
+                     p.cutoff - read.touch(), read.option("pair_gap_switch").c_str(),
+                     p.switchFrom - read.touch())
+            : format("-pair_cutoff %g: must lie beyond -pair_switch %g", p.cutoff, p.switchFrom));
 }
 
 ContactSide contactSideOf(const Fibre& f) {
@@ -157,7 +164,7 @@ double usualHertz(const Fibre& f, const UnitSystem& units) {
          std::sqrt(f.radius / (6.78 * units.angstrom));
 }
 
-double readHertz(const Reader& read, double usual) {
+double readHertz(const PairReader& read, double usual) {
   OptionSection s = read.of("hertz");
   const std::string unit = std::string(read.units.energy) + "/" + read.units.length + "^2.5";
   return s.real("hertz_stiffness", usual, unit.c_str(),
@@ -182,7 +189,7 @@ double endsApart(double rest, double diameter, double length) {
 }
 
 /// Where far points begin to take over: 30 A for the (10,10) tube, for others as `endsApart`.
-double farFrom(const Reader& read, const VdwParameters& p) {
+double farFrom(const PairReader& read, const VdwParameters& p) {
   const double length = 0.5 * (read.a.length + read.b.length);
   const double own = endsApart(restOf(p), read.touch() / p.length, length / p.length),
                ofTube = endsApart(2.0 + restGap, 2.0, 2.0);
@@ -194,28 +201,35 @@ struct OwnPoints {
   int near, far;
 };
 
-OwnPoints readOwnPoints(const Reader& read, const Fibre& f, double rest, double from) {
+/// What the number of points of a law follows from.
+struct PointNeed {
+  double rest;
+  LawWidth width;
+  bool mayHaveFar;  ///< the options of far points are meant for this law
+  double farFrom;   ///< where those may take over; infinite when never
+};
+
+OwnPoints readOwnPoints(const PairReader& read, const Fibre& f, const PointNeed& need) {
   const OptionPrefix prefix(read.options, f.kind);
   OptionSection s(read.options, topic, !read.is("none"), "-pair is none");
-  OptionSection range = read.of("vdw");
-  const bool ranged = read.is("vdw");
-  auto needed = [&](double distance, double gap, double spacing) {
-    const int points = pointsNeeded(f.length, distance, gap, spacing);
+  auto needed = [&](double distance, const LawWidth& width) {
+    const int points = pointsNeeded(f.length, distance, width.gap, width.spacing);
     // A few points too little are better than a kernel that takes any number of them.
     if (points > mostCompiledPoints && !read.mixed() &&
-        pointsNeeded(f.length, distance, gap, softSpacing) <= mostCompiledPoints)
+        pointsNeeded(f.length, distance, width.gap, softSpacing) <= mostCompiledPoints)
       return mostCompiledPoints;
     return std::min(mostPairPoints, points);
   };
-  const double width = lawWidth(rest, read.a, read.b);
   OwnPoints points;
   const auto given = s.maybeInteger("pair_points", "by the law's width; 5 for cnt_10_10",
                                     "points per segment", 1, mostPairPoints);
-  points.near =
-      given ? static_cast<int>(*given) : needed(rest, width, ranged ? nearSpacing : softSpacing);
-  const int few = std::min(points.near, needed(from, from - read.touch(), farSpacing));
+  points.near = given ? static_cast<int>(*given) : needed(need.rest, need.width);
+  points.far = points.near;
+  if (!need.mayHaveFar) return points;
+  const double from = need.farFrom;
+  const int few = std::min(points.near, needed(from, {from - read.touch(), farSpacing}));
   points.far = static_cast<int>(
-      range
+      read.of("vdw")
           .maybeInteger("pair_far_points",
                         "by the law's width, 1 for cnt_10_10; as -pair_points where that is given",
                         "points per segment of pairs far apart", 1, points.near)
@@ -223,20 +237,24 @@ OwnPoints readOwnPoints(const Reader& read, const Fibre& f, double rest, double 
   return points;
 }
 
-/// Points for near and far pairs. `vdw`: parameters of the only law that has a far range.
-PointChoice readPoints(const Reader& read, double rest, const VdwParameters& vdw) {
-  const double from = farFrom(read, vdw);
+/// Points for near and far pairs of vdw, the only law that has a far range, or in a run without it
+/// of another law or none.
+PointChoice readPoints(const PairReader& read, double rest, const VdwParameters& vdw) {
+  const double from = farFrom(read, vdw), infinity = std::numeric_limits<double>::infinity();
   const bool ranged = read.is("vdw");
-  const double usual = ranged && from < vdw.cutoff ? from : std::numeric_limits<double>::infinity();
-  const OwnPoints ofA = readOwnPoints(read, read.a, rest, usual),
-                  ofB = read.mixed() ? readOwnPoints(read, read.b, rest, usual) : ofA;
+  const PointNeed need{rest,
+                       {lawWidth(rest, read.a, read.b), ranged ? nearSpacing : softSpacing},
+                       true,
+                       ranged && from < vdw.cutoff ? from : infinity};
+  const OwnPoints ofA = readOwnPoints(read, read.a, need),
+                  ofB = read.mixed() ? readOwnPoints(read, read.b, need) : ofA;
   PointChoice points;
   points.near = {ofA.near, ofB.near};
   points.far = {ofA.far, ofB.far};
   const bool fewer = points.far != points.near;
   OptionSection far(
       read.options, topic, ranged && fewer,
-      ranged ? "-pair_far_points is not below -pair_points" : "-pair is " + read.chosen);
+      ranged ? "-pair_far_points is not below -pair_points" : "-pair is " + read.laws());
   const char* unit = read.units.length;
   points.blend.from =
       far.maybeReal("pair_far_from",
@@ -247,11 +265,20 @@ PointChoice readPoints(const Reader& read, double rest, const VdwParameters& vdw
       points.blend.from + far.maybeReal("pair_far_width", "0.295 lambda; 2 A for cnt_10_10", unit,
                                         "width of the range in which they take over", positive)
                               .value_or(farWidth * vdw.length);
-  if (!fewer) points.blend.from = points.blend.to = std::numeric_limits<double>::infinity();
+  if (!fewer) points.blend.from = points.blend.to = infinity;
   return points;
 }
 
-PairChoice readChoice(const Reader& read) {
+/// Points of a law without a far range, whose options have been read.
+PointChoice nearPoints(const PairReader& read, double rest, const LawWidth& width) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const PointNeed need{rest, width, false, infinity};
+  const int ofA = readOwnPoints(read, read.a, need).near,
+            ofB = read.mixed() ? readOwnPoints(read, read.b, need).near : ofA;
+  return {{ofA, ofB}, {ofA, ofB}, {infinity, infinity}};
+}
+
+PairChoice readChoice(const PairReader& read) {
   OptionSection s(read.options, topic, !read.is("none"), "-pair is none");
   PairChoice choice;
   choice.length = {read.a.length, read.b.length};
@@ -275,18 +302,19 @@ PairChoice readChoice(const Reader& read) {
 }
 
 template <class Law>
-PairTraits traitsOf(const Reader& read, const Law& law, double restDistance,
-                    const std::string& description) {
+PairTraits traitsOf(const PairReader& read, const Law& law, double restDistance,
+                    const LawWidth& width, const std::string& description) {
   return {description,
           law.cutoff(),
           restDistance,
           law.closestSensible(),
           {read.a.radius, read.b.radius},
           law.contactStiffness(),
-          law.largestForce()};
+          law.largestForce(),
+          width};
 }
 
-std::unique_ptr<PairForce> makeVdw(const Reader& read, const VdwParameters& p, double rest,
+std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& p, double rest,
                                    const PairChoice& choice) {
   const Vdw law(p.of(choice.length, unequalRadii(read.a.radius, read.b.radius)));
   if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
@@ -303,41 +331,81 @@ std::unique_ptr<PairForce> makeVdw(const Reader& read, const VdwParameters& p, d
       "rest distance %.6g %s, range %.6g to %.6g %s",
       p.smooth ? "smooth" : "kink", p.epsilon, energy, p.a, p.b, p.alpha, p.beta, p.length, length,
       p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length);
-  return makePairForce(law.table(), traitsOf(read, law, rest, description), choice);
+  const LawWidth width{lawWidth(rest, read.a, read.b), nearSpacing};
+  return makePairForce(law.table(), traitsOf(read, law, rest, width, description), choice);
 }
 
-std::unique_ptr<PairForce> makeHertz(const Reader& read, double stiffness,
+std::unique_ptr<PairForce> makeHertz(const PairReader& read, double stiffness,
                                      const PairChoice& choice) {
   const double lengths =
       (choice.length.i / read.a.diameter()) * (choice.length.j / read.b.diameter());
   const Hertz law(stiffness * lengths, 0.5 * read.touch());
+  const LawWidth width{lawWidth(read.touch(), read.a, read.b), softSpacing};
   return makePairForce(
       law,
-      traitsOf(read, law, read.touch(),
+      traitsOf(read, law, read.touch(), width,
                format("hertz, K %.5g %s/%s^2.5, range %.6g %s", stiffness, read.units.energy,
                       read.units.length, read.touch(), read.units.length)),
       choice);
 }
 
-/// Reads all that concerns two kinds, with the law's defaults between them; `law` gets what holds.
-std::unique_ptr<PairForce> readOne(Reader& read, OwnLaw& law) {
+std::unique_ptr<PairForce> makeSurface(const PairReader& read, const ReadSurfaceLaw& found,
+                                       PairChoice choice) {
+  const double rest = found.law.restDistance();
+  choice.points = nearPoints(read, rest, found.width);
+  choice.single = false;
+  return makePairForce(found.law.table(),
+                       traitsOf(read, found.law, rest, found.width, found.description), choice);
+}
+
+/// Reads which laws hold, in the order of the table of names.
+void readChosen(PairReader& read, std::vector<std::string>& laws) {
+  std::vector<std::string> names{"vdw", "hertz"};
+  for (const SurfaceLawType& type : surfaceLaws()) names.push_back(type.name);
+  names.insert(names.end(), {"contact", "none"});
   OptionSection pair(read.options, topic);
-  read.chosen =
-      pair.choice("pair", law.chosen, {"vdw", "hertz", "none"}, "law of the forces between fibres");
-  law.chosen = read.chosen;
-  if (read.chosen == undecided)
-    throw InputError(format("kinds %s and %s have different pair laws: give %s vdw, hertz or none",
+  const auto given = pair.choices(
+      "pair", laws, names, "law of the forces between fibres; several, with commas between, add");
+  if (given == undecided)
+    throw InputError(format("kinds %s and %s have different pair laws: give %s",
                             read.a.kind.c_str(), read.b.kind.c_str(), read.option("pair").c_str()));
+  for (const std::string& name : names)
+    if (std::ranges::find(given, name) != given.end()) read.chosen.push_back(name);
+  if (read.is("none") && given.size() > 1)
+    throw InputError(
+        format("%s %s: none stands alone", read.option("pair").c_str(), read.laws().c_str()));
+  laws = read.chosen;
+}
+
+/// Reads all that concerns two kinds, with the law's defaults between them; `law` gets what holds.
+/// The pair forces of all laws.
+std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
+  readChosen(read, law.chosen);
   PairChoice choice = readChoice(read);
   VdwParameters vdw = readVdw(read, law.vdw);
-  readRange(read, vdw);
+  const GivenRange range = readRange(read);
+  readVdwRange(read, range, vdw);
   law.vdw = vdw;
   law.hertz = readHertz(read, law.hertz);
+  std::vector<ReadSurfaceLaw> surfaces;
+  for (const SurfaceLawType& type : surfaceLaws())
+    if (auto found = readSurfaceLaw(read, type, range, law.surface))
+      surfaces.push_back(std::move(*found));
   const double rest = read.is("vdw") ? restOf(vdw) * vdw.length : read.touch();
   choice.points = readPoints(read, rest, vdw);
-  if (read.is("vdw")) return makeVdw(read, vdw, rest, choice);
-  if (read.is("hertz")) return makeHertz(read, law.hertz, choice);
-  return nullptr;
+  std::vector<std::unique_ptr<PairForce>> forces;
+  if (read.is("vdw")) forces.push_back(makeVdw(read, vdw, rest, choice));
+  if (read.is("hertz")) {
+    PairChoice ofHertz = choice;
+    if (read.is("vdw"))
+      ofHertz.points =
+          nearPoints(read, read.touch(), {lawWidth(read.touch(), read.a, read.b), softSpacing});
+    ofHertz.single = false;
+    forces.push_back(makeHertz(read, law.hertz, ofHertz));
+  }
+  for (const ReadSurfaceLaw& found : surfaces) forces.push_back(makeSurface(read, found, choice));
+  if (auto contact = readContact(read, choice)) forces.push_back(std::move(contact));
+  return forces;
 }
 
 struct KindWithLaw {
@@ -358,11 +426,13 @@ double hertzBetween(const KindWithLaw& one, const KindWithLaw& other, const Unit
 OwnLaw between(const KindWithLaw& one, const KindWithLaw& other, const UnitSystem& units) {
   const OwnLaw &ofA = one.law, &ofB = other.law;
   OwnLaw law;
-  law.chosen = ofA.chosen == ofB.chosen                       ? ofA.chosen
-               : ofA.chosen == "none" || ofB.chosen == "none" ? "none"
-                                                              : undecided;
+  const std::vector<std::string> none{"none"};
+  law.chosen = ofA.chosen == ofB.chosen                   ? ofA.chosen
+               : ofA.chosen == none || ofB.chosen == none ? none
+                                                          : undecided;
   law.vdw = meanOf(ofA.vdw, ofB.vdw);
   law.hertz = hertzBetween(one, other, units);
+  law.surface = surfaceValuesBetween(ofA.surface, ofB.surface);
   return law;
 }
 
@@ -377,16 +447,16 @@ double usualRestDistance(const Fibre& a, const Fibre& b, const UnitSystem& units
 
 PairForces readPairForces(Options& options, const UnitSystem& units, const Kinds& kinds) {
   std::vector<PairForces::Class> classes;
-  auto keep = [&](int first, int second, std::unique_ptr<PairForce> force) {
-    if (force) classes.push_back({first, second, std::move(force)});
+  auto keep = [&](int first, int second, std::vector<std::unique_ptr<PairForce>> forces) {
+    for (auto& force : forces) classes.push_back({first, second, std::move(force)});
   };
   std::vector<OwnLaw> own;
   for (int k = 0; k < kinds.count(); ++k) {
     const Fibre& f = kinds[k];
     const std::string name = f.kind.empty() ? "" : f.kind + "_" + f.kind;
     const OptionPrefix prefix(options, name);
-    Reader read{options, units, f, f, name.empty() ? "" : name + "_", ""};
-    own.push_back({f.law, usualVdw(units), usualHertz(f, units)});
+    PairReader read{options, units, f, f, name.empty() ? "" : name + "_", {}};
+    own.push_back({{f.law}, usualVdw(units), usualHertz(f, units), {}});
     keep(k, k, readOne(read, own.back()));
   }
   for (int i = 0; i < kinds.count(); ++i)
@@ -397,7 +467,7 @@ PairForces readPairForces(Options& options, const UnitSystem& units, const Kinds
                            {kinds[j], own[static_cast<std::size_t>(j)]}, units);
       const bool swap = kinds[j].length > kinds[i].length;
       const int first = swap ? j : i, second = swap ? i : j;
-      Reader read{options, units, kinds[first], kinds[second], name + "_", ""};
+      PairReader read{options, units, kinds[first], kinds[second], name + "_", {}};
       keep(first, second, readOne(read, law));
     }
   return PairForces(std::move(classes));

@@ -25,8 +25,7 @@ class Bundle {
  public:
   Bundle(const PairForce& pair, const Fibre& fibre)
       : pair_(pair), length_(fibre.length), rest_(pair.restDistance()), radius_(fibre.radius) {
-    const double width = lawWidth(rest_, fibre, fibre);
-    const int needed = pointsNeeded(length_, rest_, width, nearSpacing);
+    const int needed = pointsNeeded(length_, rest_, pair_.width().gap, nearSpacing);
     many_ = std::max(7, static_cast<int>(std::ceil(2.6 * needed)));
     const double row = (pair_.cutoff() / length_ + 2) * many_ * many_;
     if (!(row <= mostPointPairs)) return;
@@ -136,17 +135,11 @@ std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fib
 
 namespace {
 
-/// How wide the forces of a law are.
-struct LawShape {
-  double rest, width;
-  bool soft;
-};
-
 /// Warnings about the points on segments of `own`.
-void addPointWarnings(const Fibre& own, int points, const LawShape& law, const UnitSystem& units,
+void addPointWarnings(const Fibre& own, int points, const PairForce& pair, const UnitSystem& units,
                       std::vector<std::string>& warnings) {
-  const auto [rest, width, soft] = law;
-  const int wanted = pointsNeeded(own.length, rest, width, soft ? softSpacing : nearSpacing),
+  const double rest = pair.restDistance(), width = pair.width().gap;
+  const int wanted = pointsNeeded(own.length, rest, width, pair.width().spacing),
             least = pointsNeeded(own.length, rest, width, coarsestSpacing);
   if (points < least)
     warnings.push_back(
@@ -166,10 +159,8 @@ void addPointWarnings(const Fibre& own, int points, const LawShape& law, const U
 std::vector<std::string> pointWarnings(const PairForce& pair, const Fibre& a, const Fibre& b,
                                        const UnitSystem& units) {
   std::vector<std::string> warnings;
-  const double rest = pair.restDistance();
-  const LawShape law{rest, lawWidth(rest, a, b), rest <= a.radius + b.radius};
-  addPointWarnings(a, pair.points().near.i, law, units, warnings);
-  if (&a != &b) addPointWarnings(b, pair.points().near.j, law, units, warnings);
+  addPointWarnings(a, pair.points().near.i, pair, units, warnings);
+  if (&a != &b) addPointWarnings(b, pair.points().near.j, pair, units, warnings);
   return warnings;
 }
 

@@ -210,8 +210,9 @@ double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
   for (int k = 0; k < kinds.count(); ++k) {
     const double chain = chainStepLimit(kinds[k]);
     lowest = std::min(lowest, chain);
-    for (const auto& [first, second, force] : pairs.classes()) {
-      if (first != k && second != k) continue;
+    for (const auto& c : pairs.classes()) {
+      if (c.first != k && c.second != k) continue;
+      const auto& force = c.force;
       const Both<int> n = force->points().near;
       const double contact = force->contactStiffness() / std::max(n.i, n.j);
       lowest =

@@ -28,7 +28,7 @@ std::unique_ptr<PairForce> forceOf(int i, int j) {
   traits.largestForce = 1e3;
   PairChoice choice;
   choice.length = {segment[i], segment[j]};
-  return makeContactForce(law, traits, choice);
+  return makeContactForce(law, {}, traits, choice);
 }
 
 struct Reference {

@@ -149,6 +149,10 @@ class OptionSection {
   std::string text(const std::string& name, const std::string& fallback, const char* help);
   std::string choice(const std::string& name, const std::string& fallback,
                      const std::vector<std::string>& choices, const char* help);
+  /// Several of the choices, separated by commas; none twice.
+  std::vector<std::string> choices(const std::string& name,
+                                   const std::vector<std::string>& fallback,
+                                   const std::vector<std::string>& choices, const char* help);
   std::optional<std::vector<double>> reals(const std::string& name, int count, const char* shown,
                                            const char* unit, const char* help);
   std::optional<std::array<bool, 3>> flags3(const std::string& name, const char* shown,

@@ -91,6 +91,12 @@ inline constexpr int mostPairPoints = 99;
 /// Up to this number, equal for both segments, a kernel is compiled for each.
 inline constexpr int mostCompiledPoints = 9;
 
+/// How wide the forces of a law are, which decides the number of points (quadrature.hpp).
+struct LawWidth {
+  double gap = 0;      ///< over which the law acts between two surfaces
+  double spacing = 0;  ///< largest spacing of points over sqrt(2 d gap), d the distance at rest
+};
+
 /// Properties of a law that other code asks for.
 struct PairTraits {
   std::string description;      ///< name and parameters with units
@@ -100,6 +106,7 @@ struct PairTraits {
   Both<double> radius;          ///< of the fibres
   double contactStiffness = 0;  ///< bound of u'' in repulsive contact
   double largestForce = 0;      ///< bound of |u'|
+  LawWidth width;
 };
 
 /// Settings of the sum that are the same for all laws.
@@ -144,6 +151,7 @@ class PairForce {
   virtual bool touches() const { return false; }
   /// Has it friction, or damping that its contacts bring along?
   virtual bool rubs() const { return false; }
+  const LawWidth& width() const { return traits_.width; }
   /// Places of the outermost points of near pairs, from the centres.
   virtual Both<double> pointSpan() const;
   Both<double> radius() const { return traits_.radius; }

@@ -1,7 +1,9 @@
-/// All pair forces of a run: one for each two kinds of fibre that interact.
+/// All pair forces of a run: one for each law between each two kinds of fibre. Laws between the
+/// same two kinds add; each has its own list, range and points.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +18,14 @@ class PairForces {
   struct Class {
     int first, second;
     std::shared_ptr<PairForce> force;
+    /// Of several laws between two kinds, the one that reaches farthest. What belongs to a pair of
+    /// segments rather than to a law (viscous damping, new links) goes by its list.
+    bool widest = true;
 
     bool mixed() const { return first != second; }
+    bool between(int a, int b) const {
+      return (first == a && second == b) || (first == b && second == a);
+    }
   };
 
   PairForces() = default;
@@ -31,8 +39,10 @@ class PairForces {
   bool rubs() const;
   explicit operator bool() const { return !classes_.empty(); }
   const std::vector<Class>& classes() const { return classes_; }
-  /// Between segments of two kinds, in any order; null where they do not interact.
+  /// The widest between segments of two kinds, in any order; null where they do not interact.
   const PairForce* between(int a, int b) const;
+  /// The largest resting distance of the laws between two kinds; empty where they do not interact.
+  std::optional<double> restDistance(int a, int b) const;
   /// The largest reach of all.
   double reach() const;
   /// The largest -pair_exclude.

@@ -20,6 +20,14 @@ struct Switch {
     ds = (-30.0 * inverse) * rest * rest;
   }
 
+  /// The second derivative of the step.
+  double curvature(double r) const {
+    const double x = (r - from) / (to - from);
+    return x > 0.0 && x < 1.0
+               ? -60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / ((to - from) * (to - from))
+               : 0.0;
+  }
+
   /// Multiplies u by S and u' by the product rule.
   template <class V>
   NW_INLINE void apply(const V& r, V& u, V& du) const {

@@ -1,0 +1,74 @@
+/// What readers of pair laws share: two kinds with the laws chosen between them. For
+/// pair_forces_read.cpp and surface_law_read.cpp alone.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nanoweft/base/options.hpp"
+#include "nanoweft/base/units.hpp"
+#include "nanoweft/fibre/material.hpp"
+#include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/surface_law.hpp"
+
+namespace nanoweft {
+
+/// Two kinds of fibre, or twice the same, whose pair forces are read.
+struct PairReader {
+  Options& options;
+  const UnitSystem& units;
+  const Fibre &a, &b;
+  std::string prefix;               ///< of the options meant for these two: "cnt_mw_", or nothing
+  std::vector<std::string> chosen;  ///< laws
+
+  static constexpr const char* topic = "Pair forces";
+
+  bool is(const std::string& law) const { return std::ranges::find(chosen, law) != chosen.end(); }
+  std::string laws() const {
+    std::string list;
+    for (const std::string& law : chosen) list += (list.empty() ? "" : ",") + law;
+    return list;
+  }
+  /// The options of a law.
+  OptionSection of(const std::string& law) const {
+    return {options, topic, is(law), "-pair is " + laws()};
+  }
+  bool mixed() const { return &a != &b; }
+  /// An option meant for these two, for messages.
+  std::string option(const std::string& name) const { return "-" + prefix + name; }
+  /// Distance of the axes of two fibres that touch.
+  double touch() const { return a.radius + b.radius; }
+};
+
+/// Where a law that reaches beyond contact is switched off, as far as options say it.
+struct GivenRange {
+  std::optional<double> from, to;  ///< distances of axes
+};
+
+/// The range by -pair_... where one law has a range, which `common` is, else by -LAW_gap_....
+GivenRange readOwnRange(const PairReader& read, const std::string& law, const GivenRange& common,
+                        Both<const char*> shown);
+
+/// Values of the surface laws by name; NaN where none is known.
+using SurfaceValues = std::map<std::string, SurfaceLawType::Values>;
+
+/// The default values between two kinds.
+SurfaceValues surfaceValuesBetween(const SurfaceValues& a, const SurfaceValues& b);
+
+/// A surface law of two kinds, with what the number of points follows from.
+struct ReadSurfaceLaw {
+  SurfaceLaw law;
+  std::string description;
+  LawWidth width;
+};
+
+/// Reads one of surfaceLaws(). `values` are the defaults and become what holds. Empty when it is
+/// not among the chosen ones.
+std::optional<ReadSurfaceLaw> readSurfaceLaw(const PairReader& read, const SurfaceLawType& type,
+                                             const GivenRange& common, SurfaceValues& values);
+
+}  // namespace nanoweft

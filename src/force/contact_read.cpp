@@ -1,0 +1,70 @@
+#include "nanoweft/force/contact_read.hpp"
+
+#include <algorithm>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/force/contact_force.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// Overlap over the thinner radius for which the step for fibres pressed together is estimated.
+constexpr double usualOverlap = 0.05;
+
+/// E* from the moduli across the axes; 0: a kind has none.
+double usualModulus(const Fibre& a, const Fibre& b) {
+  if (!(a.transverse > 0 && b.transverse > 0)) return 0.0;
+  auto compliance = [](const Fibre& f) { return (1.0 - f.poisson * f.poisson) / f.transverse; };
+  return 1.0 / (compliance(a) + compliance(b));
+}
+
+FrictionLaw readFriction(const PairReader& read, OptionSection& s) {
+  FrictionLaw law;
+  law.mu = s.real("contact_friction", 0.0, "", "coefficient of friction", nonNegative);
+  law.tangential = s.real("contact_tangential", 2.0 / 7.0, "",
+                          "stiffness of a contact along the surfaces over that across", positive);
+  law.restitution =
+      s.real("contact_restitution", 1.0, "",
+             "speed after a collision of two segments over that before it; 1: not damped",
+             {0.0, 1.0});
+  law.mass = read.a.mass * read.b.mass / (read.a.mass + read.b.mass);
+  return law;
+}
+
+}  // namespace
+
+std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice& choice) {
+  OptionSection s = read.of("contact");
+  const Fibre &a = read.a, &b = read.b;
+  const auto given = s.maybeReal("contact_modulus", "from the moduli across the axes", "GPa",
+                                 "E* of the contact: 1/E* is the sum of (1 - nu^2)/E of both",
+                                 positive);
+  const int points = static_cast<int>(
+      s.integer("contact_points", 6, "points a segment where fibres lie along each other", 1, 99));
+  const FrictionLaw friction = readFriction(read, s);
+  if (!read.is("contact")) return nullptr;
+  const double modulus = given ? *given * read.units.gigapascal : usualModulus(a, b);
+  if (!(modulus > 0))
+    throw InputError("-pair contact: give " + read.option("contact_modulus") +
+                     " (GPa), or -fibre_transverse_young of the fibres");
+  const ContactLaw law(modulus, {a.radius, b.radius}, choice.length, points);
+  const double thinner = std::min(a.radius, b.radius), usual = usualOverlap * thinner;
+  PairTraits traits;
+  traits.description =
+      format("contact, E* %.5g GPa, %d points along, range %.6g %s", modulus / read.units.gigapascal,
+             points, law.touch(), read.units.length);
+  if (friction)
+    traits.description += format(", friction %g, tangential stiffness %.4g, restitution %g",
+                                 friction.mu, friction.tangential, friction.restitution);
+  traits.cutoff = traits.restDistance = law.touch();
+  // Deeper than a radius, fibres have passed through each other.
+  traits.closestSensible = law.touch() - thinner;
+  traits.radius = {a.radius, b.radius};
+  traits.contactStiffness = std::max(law.lineStiffness(), law.crossedStiffness(usual));
+  traits.largestForce =
+      8.0 * (law.crossedForce(law.touch()) + law.lineStiffness() * law.touch());
+  return makeContactForce(law, friction, traits, choice);
+}
+
+}  // namespace nanoweft
