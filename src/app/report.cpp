@@ -80,6 +80,10 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
       a.kind.empty() ? "" : " " + (inOrder ? a : b).kind + "_" + (inOrder ? b : a).kind;
   PetscPrintf(comm, "  pair forces%s: %s\n", between.c_str(), p.description().c_str());
   std::string rest;
+  if (p.touches()) {
+    if (!c.mixed()) PetscPrintf(comm, "    within a fibre from %d segments on\n", p.exclude());
+    return;
+  }
   if (!c.mixed()) {
     const auto error = expectedForceError(p, a);
     rest = format(", expected force error %s; within a fibre from %d segments (%.5g %s) on",

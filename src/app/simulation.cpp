@@ -86,6 +86,9 @@ void Simulation::step() {
   {
     const LogScope log(driftEvent_);
     system_.accounts.damped.merge(system_.forces.flow(system_.state));
+    // Bonds that broke in the last evaluation; those that break while segments move wait for the
+    // next time, since not all ranks know of them yet.
+    if (system_.state.extras().ends && system_.forces.breakage()) system_.state.noteFreeEnds();
     drift = parts_->stepper->move(system_);
   }
   energies_.reset();
@@ -132,9 +135,6 @@ void Simulation::agreeAndPrepare(const DriftReport& drift) {
                "that it can remember",
                static_cast<long long>(state.step), contactSlots));
   if (notices & broke) breaks_.spread(state);
-  // A restart does not know whether bonds broke in the last step before it.
-  if (state.extras().ends && (notices & broke || !std::exchange(prepared_, true)))
-    state.noteFreeEnds();
   if (notices & outdated)
     forces.rebuild(state, system_.domain);
   else if (notices & stale)

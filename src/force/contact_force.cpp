@@ -80,6 +80,9 @@ class ContactSum {
       for (int k = 0; k < used; ++k)
         if (job_.mine(i_[k]))
           tally_.energy.add(contact.energy[static_cast<std::size_t>(k)], tally_.energyUnit);
+    if (job_.viscousSum && job_.viscous)
+      for (int k = 0; k < used; ++k)
+        if (contact.energy[static_cast<std::size_t>(k)] > 0) dampen(i_[k], j_[k]);
     if (job_.friction && laws_.friction)
       for (int k = 0; k < used; ++k) rub(i_[k], j_[k]);
     tally_.resolved += used;
@@ -87,6 +90,25 @@ class ContactSum {
     std::copy(i_ + used, i_ + count_, i_);
     std::copy(j_ + used, j_ + count_, j_);
     count_ -= used;
+  }
+
+  /// Viscous damping of two segments that touch (model.md 5).
+  void dampen(std::int32_t i, std::int32_t j) {
+    for (int c = 0; c < 3; ++c) {
+      const auto f =
+          std::llrint(job_.viscous.linear * (job_.velocity[3 * j + c] - job_.velocity[3 * i + c]) /
+                      laws_.force);
+      const auto t =
+          std::llrint(job_.viscous.angular * (job_.angular[3 * j + c] - job_.angular[3 * i + c]) /
+                      laws_.torque);
+      auto add = [&](std::int32_t k, std::int64_t sign) {
+        if (!job_.mine(k)) return;
+        job_.viscousSum[6 * k + c] += sign * f;
+        job_.viscousSum[6 * k + 3 + c] += sign * t;
+      };
+      add(i, 1);
+      add(j, -1);
+    }
   }
 
   /// Friction between two segments.

@@ -24,10 +24,9 @@ FrictionLaw readFriction(const PairReader& read, OptionSection& s) {
   law.mu = s.real("contact_friction", 0.0, "", "coefficient of friction", nonNegative);
   law.tangential = s.real("contact_tangential", 2.0 / 7.0, "",
                           "stiffness of a contact along the surfaces over that across", positive);
-  law.restitution =
-      s.real("contact_restitution", 1.0, "",
-             "speed after a collision of two segments over that before it; 1: not damped",
-             {0.0, 1.0});
+  law.restitution = s.real(
+      "contact_restitution", 1.0, "",
+      "speed after a collision of two segments over that before it; 1: not damped", {0.0, 1.0});
   law.mass = read.a.mass * read.b.mass / (read.a.mass + read.b.mass);
   return law;
 }
@@ -37,9 +36,9 @@ FrictionLaw readFriction(const PairReader& read, OptionSection& s) {
 std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice& choice) {
   OptionSection s = read.of("contact");
   const Fibre &a = read.a, &b = read.b;
-  const auto given = s.maybeReal("contact_modulus", "from the moduli across the axes", "GPa",
-                                 "E* of the contact: 1/E* is the sum of (1 - nu^2)/E of both",
-                                 positive);
+  const auto given =
+      s.maybeReal("contact_modulus", "from the moduli across the axes", "GPa",
+                  "E* of the contact: 1/E* is the sum of (1 - nu^2)/E of both", positive);
   const int points = static_cast<int>(
       s.integer("contact_points", 6, "points a segment where fibres lie along each other", 1, 99));
   const FrictionLaw friction = readFriction(read, s);
@@ -52,8 +51,8 @@ std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice&
   const double thinner = std::min(a.radius, b.radius), usual = usualOverlap * thinner;
   PairTraits traits;
   traits.description =
-      format("contact, E* %.5g GPa, %d points along, range %.6g %s", modulus / read.units.gigapascal,
-             points, law.touch(), read.units.length);
+      format("contact, E* %.5g GPa, %d points along, range %.6g %s",
+             modulus / read.units.gigapascal, points, law.touch(), read.units.length);
   if (friction)
     traits.description += format(", friction %g, tangential stiffness %.4g, restitution %g",
                                  friction.mu, friction.tangential, friction.restitution);
@@ -62,8 +61,7 @@ std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice&
   traits.closestSensible = law.touch() - thinner;
   traits.radius = {a.radius, b.radius};
   traits.contactStiffness = std::max(law.lineStiffness(), law.crossedStiffness(usual));
-  traits.largestForce =
-      8.0 * (law.crossedForce(law.touch()) + law.lineStiffness() * law.touch());
+  traits.largestForce = 8.0 * (law.crossedForce(law.touch()) + law.lineStiffness() * law.touch());
   return makeContactForce(law, friction, traits, choice);
 }
 

@@ -103,8 +103,9 @@ void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies&
       force.draw(outer ? list.threads()[thread].outer : list.threads()[thread].inner, state.pose,
                  nearest_, tallies.margin, drawn);
     job.drawn = &drawn;
-    job.viscous = settings_.viscous.between(force);
-    job.viscousSum = tallies.viscous && widest ? viscousSums_.data() : nullptr;
+    job.viscous = widest ? settings_.viscous.between(force) : ViscousDamping{};
+    job.viscousSum =
+        tallies.viscousPairs && (job.viscous || force.rubs()) ? viscousSums_.data() : nullptr;
     force.add(job, tallies.request.energies, tallies.pairs[thread]);
   }
 }

@@ -71,5 +71,93 @@ TEST(Contact, AgreesWithFiftyDigits) {
   }
 }
 
+/// Segments along a line through `middle`, which lies `offset` lengths from a centre.
+std::vector<Pose> chain(int kind, const Vec3d& middle, const Vec3d& along, double offset) {
+  const Vec3d z{0, 0, 1};
+  const Quatd q = quaternionFromAxes(along, cross(z, along), z);
+  std::vector<Pose> segments;
+  for (int k = -8; k <= 8; ++k)
+    segments.push_back({middle + ((k + offset) * segment[kind]) * along, q});
+  return segments;
+}
+
+/// Energy of two chains and force on the first.
+PairAction between(const PairForce& force, const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  PairAction sum;
+  for (const Pose& i : a)
+    for (const Pose& j : b) {
+      const auto one = force.resolve(j.x - i.x, i.q, j.q);
+      sum.energy += one.energy;
+      sum.force += one.force;
+    }
+  return sum;
+}
+
+TEST(Contact, ACrossingHasOneForceWhereverItFalls) {
+  const int kinds[][2] = {{0, 0}, {2, 1}};
+  for (const auto& [i, j] : kinds) {
+    const auto force = forceOf(i, j);
+    const ContactLaw law = lawOf(i, j);
+    for (const double degrees : {24.0, 41.0, 90.0, 133.0}) {
+      const double angle = degrees * std::numbers::pi / 180, overlap = 0.3;
+      const Vec3d along{std::cos(angle), std::sin(angle), 0};
+      // Hertz: the force grows as the radius of the contact, by 1/sin.
+      const double expected = law.crossedForce(overlap) / std::sqrt(std::sin(angle));
+      for (int k = 0; k < 40; ++k) {
+        const auto sum =
+            between(*force, chain(i, {0, 0, 0}, {1, 0, 0}, std::fmod(0.137 * k, 1.0)),
+                    chain(j, {0, 0, law.touch() - overlap}, along, std::fmod(0.291 * k, 1.0)));
+        EXPECT_NEAR(sum.force.z, -expected, 1e-9 * expected) << degrees << " " << k;
+        EXPECT_LT(std::hypot(sum.force.x, sum.force.y), 1e-9 * expected) << degrees << " " << k;
+        EXPECT_NEAR(sum.energy, 0.4 * overlap * expected, 1e-9 * expected);
+      }
+    }
+  }
+}
+
+TEST(Contact, FibresSlideAlongEachOtherWithoutCorrugation) {
+  const auto force = forceOf(0, 0);
+  const double overlap = 0.1;
+  for (const double degrees : {0.0, 3.0, 13.0, 17.0}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    for (int k = 0; k < 30; ++k) {
+      const Vec3d along{std::cos(angle), std::sin(angle), 0};
+      const auto sum = between(*force, chain(0, {0, 0, 0}, {1, 0, 0}, std::fmod(0.137 * k, 1.0)),
+                               chain(0, {0, 0, 2 * radius[0] - overlap}, along, 0));
+      // The ends of parallel chains lie over each other's ends: those are left out by symmetry.
+      if (degrees == 0 && k % 10 != 0) continue;
+      EXPECT_GT(-sum.force.z, 0);
+      EXPECT_LT(std::abs(sum.force.x), 2e-3 * std::abs(sum.force.z)) << degrees << " " << k;
+    }
+  }
+}
+
+TEST(Contact, LanesGiveWhatSinglePairsGive) {
+  const auto force = forceOf(0, 0);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-14, 14), turn(-2, 2);
+  std::vector<Pose> segments;
+  for (int k = 0; k < 60; ++k)
+    segments.push_back({{place(random), place(random), place(random)},
+                        rotation(Vec3d{turn(random), turn(random), turn(random)})});
+  const Sum sum = evaluate(*force, segments);
+  double energy = 0;
+  std::vector<Vec3d> on(segments.size());
+  int touching = 0;
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    for (std::size_t j = i + 1; j < segments.size(); ++j) {
+      const auto one = force->resolve(segments[j].x - segments[i].x, segments[i].q, segments[j].q);
+      energy += one.energy;
+      on[i] += one.force;
+      on[j] -= one.force;
+      touching += one.energy > 0;
+    }
+  EXPECT_GT(touching, 100);
+  EXPECT_LT(sum.resolved, 60 * 59 / 2) << "pairs that cannot touch are resolved";
+  EXPECT_NEAR(sum.energy, energy, 1e-11 * energy);
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    EXPECT_LT(norm(sum.force[i] - on[i]), 1e-11 * energy) << i;
+}
+
 }  // namespace
 }  // namespace nanoweft::test

@@ -59,7 +59,6 @@ class Simulation : private RunBook {
   std::optional<Energies> energies_;  ///< of the present state, when computed
   LastCheckpoint good_;
   std::int64_t lastCheckpoint_ = -1;
-  bool prepared_ = false;  ///< a step of this run has been prepared
   double checkpointSeconds_;
   bool checkpointTimed_ = false;
   PetscLogEvent driftEvent_, kickEvent_, recordEvent_, fileEvent_;

@@ -1,0 +1,55 @@
+/// Contacts with friction: the same bytes on any ranks and threads, and over restarts.
+#include <gtest/gtest.h>
+
+#include "support/expect.hpp"
+#include "support/program.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+/// A weave that is pulled, whose fibres rub and break.
+const std::string weave =
+    "-weave_fibres 8,8 -weave_segments 32 -pair contact -contact_modulus 30 -contact_friction 0.4 "
+    "-contact_restitution 0.5 -scene_perturb 0.1 -damping_local 0.1 -ts_dt 10 -tension_rate 2e-5 "
+    "-tension_ramp 1000 -tension_grip 60 -tension_thickness 27 -break_strain_mean 0.02 "
+    "-break_strain_std 0.008 -progress_interval 0 ";
+const std::string outputs =
+    "-energy_monitor ascii:energy.csv -monitor_interval 50 -state_output out.h5 -state_forces ";
+
+TEST(ContactsWithFriction, SameBytesOnAnyRanksThreadsAndPartition) {
+  const Folder reference;
+  auto outcome = run(reference, weave + outputs + "-ts_max_steps 600", 1, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto energies = readCsv(reference / "energy.csv");
+  EXPECT_GT(energies.at("friction").back(), 0.01);
+  EXPECT_GT(energies.at("broken").back(), 0);
+  const struct {
+    int ranks, threads;
+    const char* more;
+  } layouts[] = {{1, 2, ""}, {2, 1, ""}, {3, 2, ""}, {4, 1, "-partition metis -partition_piece 8"}};
+  for (const auto& l : layouts) {
+    const Folder folder;
+    outcome = run(folder, weave + outputs + "-ts_max_steps 600 " + l.more, l.ranks, l.threads);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    for (const char* file : {"out.h5", "energy.csv"})
+      EXPECT_TRUE(readFile(folder / file) == readFile(reference / file))
+          << file << " on " << l.ranks << " x " << l.threads << " " << l.more;
+  }
+}
+
+TEST(ContactsWithFriction, ARestartGoesOnWithTheirSprings) {
+  const Folder whole;
+  auto outcome = run(whole, weave + outputs + "-ts_max_steps 600", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* steps : {"137", "400"}) {
+    const Folder pieces;
+    outcome = run(pieces, weave + outputs + "-checkpoint_file c.h5 -ts_max_steps " + steps, 3);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    outcome = run(pieces, outputs + "-restart c.h5 -ts_max_steps 600", 1, 2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(readFile(pieces / "out.h5") == readFile(whole / "out.h5")) << steps;
+  }
+}
+
+}  // namespace
+}  // namespace nanoweft::test

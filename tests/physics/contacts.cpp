@@ -1,0 +1,133 @@
+/// Contacts with friction in motion (model.md 18, 19).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/expect.hpp"
+#include "support/formulas.hpp"
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+constexpr double T = tube::length;
+
+/// A bar of 12 segments across two fixed rods, 0.05 A deep, pressed on them by `press` a segment.
+class Bar {
+ public:
+  Bar() {
+    std::vector<FibreInput> fibres{straightFibre({2.3 * T, -3 * T, 0}, {0, 1, 0}, 7),
+                                   straightFibre({8.7 * T, -3 * T, 0}, {0, 1, 0}, 7),
+                                   straightFibre({0, 0, 2 * tube::rf - 0.05}, {1, 0, 0}, 12)};
+    writeState(folder_ / "in.h5", fibres);
+    std::vector<double> group(14, 1);
+    group.resize(26, 2);
+    setDataset(folder_ / "in.h5", "group", group, 1);
+  }
+  /// Drawn along itself by `ratio` of what presses it on the rods.
+  void draw(double ratio, int steps, const std::string& more = "") {
+    const auto outcome =
+        run(folder_,
+            "-scene file -scene_file in.h5 -pair contact -contact_modulus 20 "
+            "-contact_friction 0.3 -contact_restitution 0.3 -bc rods,bar -rods_group 0 "
+            "-rods_fix 1,1,1 -rods_fix_rotation -bar_group 1 -bar_force " +
+                std::to_string(ratio * press) + ",0," + std::to_string(-press) +
+                " -ts_dt 10 -ts_max_steps " + std::to_string(steps) +
+                " -progress_interval 0 -energy_monitor ascii:e.csv -monitor_interval 100 "
+                "-state_output out.h5 -overwrite " +
+                more);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+  }
+  double place() const {
+    return readVectors(folder_ / "out.h5", "/state/position").back().x - 11 * T;
+  }
+  double speed() const { return readVectors(folder_ / "out.h5", "/state/velocity").back().x; }
+  auto energies() const { return readCsv(folder_ / "e.csv"); }
+  static constexpr double press = 0.002;
+
+ private:
+  Folder folder_;
+};
+
+TEST(Friction, HoldsABarBelowItsAngleAndLetsItSlideAboveIt) {
+  // Below it the bar rests after its spring has yielded; 0.5 % above it, it would go 4 A.
+  Bar soon, late;
+  soon.draw(0.3 * 0.995, 40000);
+  late.draw(0.3 * 0.995, 80000);
+  EXPECT_NEAR(late.place(), soon.place(), 0.01);
+  // Above it the bar falls with what the force exceeds friction by; the spring of the contacts
+  // yields first, which is over after half of the time.
+  const double ratio = 0.3 * 1.2;
+  Bar half, whole;
+  half.draw(ratio, 10000);
+  whole.draw(ratio, 20000);
+  EXPECT_NEAR((whole.speed() - half.speed()) / (1e5 * (ratio - 0.3) * Bar::press / tube::mass), 1.0,
+              0.005);
+  const auto energies = whole.energies();
+  const double work = 0.3 * 12 * Bar::press * whole.place();
+  EXPECT_NEAR(energies.at("friction").back() / work, 1.0, 0.01);
+  EXPECT_NEAR(energies.at("total").back() + energies.at("damped").back() +
+                  energies.at("friction").back() - energies.at("external").back(),
+              energies.at("total").front(), 1e-7);
+}
+
+TEST(Friction, AHeldBarDoesNotCreep) {
+  Bar bar;
+  bar.draw(0.25, 30000);
+  const double before = bar.place();
+  Bar later;
+  later.draw(0.25, 150000);
+  EXPECT_NEAR(later.place(), before, 1e-6);
+}
+
+TEST(Friction, OptionsThatCannotBeMeantAreRefused) {
+  const Folder folder;
+  const std::string weave = "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 -pair contact ";
+  expectRefused(runAlone(folder, weave), {"-contact_modulus", "-fibre_transverse_young"});
+  expectRefused(runAlone(folder, weave + "-contact_modulus -3"), {"-contact_modulus"});
+  expectRefused(runAlone(folder, weave + "-contact_modulus 10 -contact_friction -0.1"),
+                {"-contact_friction"});
+  expectRefused(runAlone(folder, weave + "-contact_modulus 10 -contact_restitution 1.5"),
+                {"-contact_restitution"});
+  expectRefused(runAlone(folder,
+                         "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 "
+                         "-contact_friction 0.2"),
+                {"-contact_friction", "not used"});
+}
+
+/// Largest change of the energy of two crossing fibres that collide, without damping.
+double driftAt(double dt) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({-5.3 * T, 0, 0}, {1, 0, 0}, 11),
+                                straightFibre({0, -4.7 * T, 2 * tube::rf + 0.1}, {0, 1, 0}, 10)});
+  setMotion(
+      folder / "in.h5",
+      [](std::size_t row, const Vec3d&) {
+        return Vec3d{0, 0, row < 11 ? 2e-4 : -2e-4};
+      },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
+  const auto outcome =
+      run(folder, "-scene file -scene_file in.h5 -pair contact -contact_modulus 20 -ts_dt " +
+                      std::to_string(dt) +
+                      " -ts_max_time 16000 -progress_interval 0 "
+                      "-energy_monitor ascii:e.csv -monitor_interval 10");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const auto energies = readCsv(folder / "e.csv");
+  EXPECT_GT(*std::ranges::max_element(energies.at("pair")), 0.01) << "they have not met";
+  EXPECT_LT(energies.at("pair").back(), 1e-12) << "they have not parted";
+  double worst = 0;
+  for (const double e : energies.at("total"))
+    worst = std::max(worst, std::abs(e - energies.at("total")[0]));
+  return worst / energies.at("kinetic")[0];
+}
+
+TEST(Contacts, ACollisionKeepsItsEnergyToSecondOrder) {
+  const double coarse = driftAt(16), fine = driftAt(8);
+  EXPECT_LT(coarse, 0.02);
+  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.5);
+}
+
+}  // namespace
+}  // namespace nanoweft::test
