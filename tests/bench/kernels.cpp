@@ -3,6 +3,7 @@
 ///     build/bin/kernels --benchmark_repetitions=9 --benchmark_report_aggregates_only
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <numeric>
 #include <random>
 
@@ -103,6 +104,71 @@ BENCHMARK_CAPTURE(pairResolution, 3_points_1_far_single,
                   "-pair_points 3 -pair_far_points 1 -pair_far_from 33.9 -pair_far_width 6.78 "
                   "-pair_precision single");
 BENCHMARK_CAPTURE(pairResolution, 5_points_single, "-pair_points 5 -pair_precision single");
+
+/// Two layers of fibres that cross at an angle, `apart` from each other; all pairs within the
+/// contact's reach. Time of a pair, or of a pair that touches.
+void contacts(benchmark::State& state, double angle, double apart) {
+  Scene scene;
+  scene.pose.clear();
+  scene.pairs.clear();
+  std::mt19937 engine(2);
+  std::uniform_real_distribution<double> jitter(-0.5, 0.5);
+  const Vec3d axes[2] = {{1, 0, 0}, {std::cos(angle), std::sin(angle), 0}};
+  for (int layer = 0; layer < 2; ++layer)
+    for (int fibre = 0; fibre < 20; ++fibre) {
+      const Vec3d e = axes[layer], across{-e.y, e.x, 0};
+      const Quatd q = quaternionFromAxes(e, across, {0, 0, 1});
+      const double shift = jitter(engine);
+      for (int k = 0; k < 20; ++k) {
+        const Vec3d x = (13.56 * (k - 10 + shift)) * e + (13.7 * (fibre - 10)) * across +
+                        Vec3d{0, 0, apart * layer};
+        scene.pose.insert(scene.pose.end(), {x.x, x.y, x.z, 0, q.w, q.x, q.y, q.z});
+      }
+    }
+  const auto force = makeForce("-pair contact -contact_modulus 10");
+  const int n = static_cast<int>(scene.pose.size() / 8);
+  for (int i = 0; i < n / 2; ++i)
+    for (int j = n / 2; j < n; ++j) {
+      const double *a = &scene.pose[8 * static_cast<std::size_t>(i)],
+                   *b = &scene.pose[8 * static_cast<std::size_t>(j)];
+      if (norm(Vec3d{b[0] - a[0], b[1] - a[1], b[2] - a[2]}) < force->reach())
+        scene.pairs.push_back({i, j});
+    }
+  scene.sums.assign(static_cast<std::size_t>(n + 1), ForceSum{});
+  const MinimumImage nearest{Box{}};
+  PairRuns listed;
+  listed.set(scene.pairs, n);
+  DrawnPairs drawn;
+  force->draw(listed, scene.pose.data(), nearest, 1.0, drawn);
+  PairJob job;
+  job.pose = scene.pose.data();
+  job.drawn = &drawn;
+  job.begin = 0;
+  job.end = job.spare = n;
+  job.sum = scene.sums.data();
+  job.nearest = &nearest;
+  PairTally tally;
+  std::int64_t rounds = 0;
+  for (auto _ : state) {
+    force->add(job, false, tally);
+    benchmark::DoNotOptimize(scene.sums.data());
+    benchmark::ClobberMemory();
+    ++rounds;
+  }
+  auto counter = [&](double pairs) {
+    return benchmark::Counter(
+        pairs, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  };
+  state.counters["s_per_pair"] = counter(static_cast<double>(scene.pairs.size()));
+  if (tally.resolved > 0)
+    state.counters["s_per_contact"] =
+        counter(static_cast<double>(tally.resolved) / static_cast<double>(rounds));
+  state.counters["touching"] =
+      static_cast<double>(tally.resolved) / static_cast<double>(rounds * std::ssize(scene.pairs));
+}
+BENCHMARK_CAPTURE(contacts, crossed, 1.2, 13.4);
+BENCHMARK_CAPTURE(contacts, along, 0.1, 13.4);
+BENCHMARK_CAPTURE(contacts, apart, 1.2, 13.7);
 
 /// What the core can do at most: independent fused multiply-adds in registers.
 void peak(benchmark::State& state) {
