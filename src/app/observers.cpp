@@ -1,5 +1,6 @@
 #include "nanoweft/app/observers.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "nanoweft/record/energy_table.hpp"
@@ -7,6 +8,7 @@
 #include "nanoweft/record/kind_table.hpp"
 #include "nanoweft/record/snapshot_writer.hpp"
 #include "nanoweft/record/stress_table.hpp"
+#include "nanoweft/record/wall_table.hpp"
 
 namespace nanoweft {
 
@@ -20,10 +22,14 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   // those that end the run.
   add(makeEnergyWatch(c));
   add(makeContactWatch(c));
-  add(makeEnergyTable(options, c.units, c.pairs.rubs(), s.monitorInterval));
+  const bool rubs = c.pairs.rubs() || std::ranges::any_of(c.walls, [](const Wall& w) {
+                      return static_cast<bool>(w.friction);
+                    });
+  add(makeEnergyTable(options, c.units, {rubs, !c.walls.empty()}, s.monitorInterval));
   add(makeKindTable(options, c.units, c.kinds, s.monitorInterval));
   add(makeStressTable(options, c.units, c.boundaries, s.monitorInterval));
   add(makeKindStressTable(options, c.units, c.kinds, c.boundaries, s.monitorInterval));
+  add(makeWallTable(options, c.units, c.walls, s.monitorInterval));
   add(makeRelaxation(c));
   add(makeBalance(c));
   add(makeProgress(c));

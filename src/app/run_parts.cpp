@@ -82,6 +82,7 @@ void RunParts::makeForces() {
   force.pairs = std::move(plan->pairs);
   force.breakage = plan->breakage;
   force.links = plan->links;
+  force.walls = plan->walls;
   force.viscous = plan->settings.viscous;
   force.skin = plan->settings.skin;
   force.threads = team.asked;
@@ -104,9 +105,10 @@ void RunParts::fillState() {
     throw InputError(
         "-fibre_rest_curvature, -fibre_rest_twist: not used by this run, whose bonds have rest "
         "rotations of their own (-weave_rest shaped, or rest_rotation in the state file)");
-  extras.viscous = plan->settings.viscous || ((plan->kinds.viscous() || forces->pairs().rubs()) &&
-                                              !plan->settings.stepper->minimises);
-  extras.friction = forces->pairs().rubs();
+  const bool rubs = forces->pairs().rubs() || forces->walls().rub();
+  extras.viscous = plan->settings.viscous ||
+                   ((plan->kinds.viscous() || rubs) && !plan->settings.stepper->minimises);
+  extras.friction = rubs && !plan->settings.stepper->minimises;
   extras.ends = forces->pairs().touches();
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();
@@ -179,6 +181,7 @@ void RunParts::goOn() {
   Boundaries& boundaries = plan->boundaries;
   boundaries.attach(*state, record, plan->checkpoint.has_value());
   if (plan->checkpoint) restore(record);
+  forces->walls().place(state->time);
   if (!boundaries.tensionGoesOn()) return;
   for (const auto& observer : plan->observers) observer->restoreStage(record);
   const Tension& t = *boundaries.tension();
@@ -199,6 +202,7 @@ void RunParts::restore(const RunRecord& record) {
     throw InputError(format("-restart %s: it is in units %s, its options in %s", file.c_str(),
                             plan->checkpoint->units.c_str(), plan->units.name.c_str()));
   restoreAccounts(accounts, record, state->rank());
+  forces->walls().restore(record, state->rank());
   for (const auto& observer : plan->observers) observer->restore(record);
 }
 

@@ -31,8 +31,9 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
                       {units, kinds, comm, [this](int a, int b) { return restDistance(a, b); }},
                       options.helpWanted() || checkpoint)),
       links(readLinkLaw(options, units, kinds, linked() || options.helpWanted())),
+      walls(readWalls(options, units, kinds)),
       boundaries(options, units, kinds, restDistance(0, 0)),
-      observers(makeObservers(options, {settings, units, boundaries, kinds, pairs})) {
+      observers(makeObservers(options, {settings, units, boundaries, kinds, pairs, walls})) {
   readBox(options);
   options.refuseUnknown();
   if (options.helpWanted()) return;
@@ -77,6 +78,13 @@ void RunPlan::refuseContradictions() const {
       if (norm(b.velocity) > 0)
         throw InputError(method + ": -" + b.name +
                          "_velocity keeps the fibres moving, so there is no rest");
+    for (const Wall& w : walls)
+      if (norm(w.velocity) > 0 || w.spin != 0 || w.driven() || w.friction)
+        throw InputError(method + ": the wall " + w.name + " must stand still, without friction");
+    if (pairs.rubs())
+      throw InputError(method +
+                       ": it has no friction; leave out -contact_friction and "
+                       "-contact_restitution, or relax without it");
   }
   for (const PairForces::Class& c : pairs.classes())
     if (!c.mixed() && breakage[c.first] && c.force->exclude() > mostExcludeWithBreakage) {

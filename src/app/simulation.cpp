@@ -88,6 +88,8 @@ void Simulation::step() {
     system_.accounts.damped.merge(system_.forces.flow(system_.state));
     // Bonds that broke in the last evaluation; those that break while segments move wait for the
     // next time, since not all ranks know of them yet.
+    system_.forces.walls().move(system_.state.comm(), system_.state.time, parts_->stepper->dt(),
+                                system_.accounts.external);
     if (system_.state.extras().ends && system_.forces.breakage()) system_.state.noteFreeEnds();
     drift = parts_->stepper->move(system_);
   }
@@ -156,6 +158,8 @@ View Simulation::widestView() {
 void Simulation::note(const ForceOutcome& outcome, bool energies) {
   system_.accounts.broken.merge(outcome.released);
   system_.accounts.friction.merge(outcome.friction);
+  system_.accounts.external.merge(outcome.external);
+  system_.accounts.damped.merge(outcome.dragged);
   breaks_.note(outcome.broken);
   if (energies) energies_ = sumEnergies(system_.state, system_.forces, outcome, system_.accounts);
 }
@@ -211,6 +215,7 @@ RunRecord Simulation::fullRecord(const char* purpose) const {
   record.reals["time_step"] = {parts_->stepper->dt()};
   if (parts_->defaultStep) record.reals["default_step"] = {*parts_->defaultStep};
   parts_->stepper->save(record);
+  system_.forces.walls().save(record, system_.state.comm());
   for (const auto& observer : observers_) observer->save(record);
   return record;
 }

@@ -20,6 +20,7 @@ struct ForceField::Tallies {
   double margin;  ///< of the pairs to be drawn; 0: those drawn before still hold
   std::vector<BondTally> bonds;
   std::vector<PairTally> pairs;
+  std::vector<WallTally> walls;
 
   ForceOutcome sum() const {
     ForceOutcome outcome;
@@ -35,6 +36,12 @@ struct ForceField::Tallies {
       outcome.pair.merge(t.energy);
       outcome.friction.merge(t.friction);
     }
+    for (const WallTally& t : walls) {
+      outcome.wall.merge(t.energy);
+      outcome.friction.merge(t.friction);
+      outcome.external.merge(t.external);
+      outcome.dragged.merge(t.dragged);
+    }
     return outcome;
   }
 };
@@ -47,6 +54,7 @@ ForceField::ForceField(Settings settings, const Box& box)
           {settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin, settings_.threads},
           box),
       links_(settings_.links, settings_.kinds),
+      walls_(settings_.walls, settings_.kinds),
       rebuildEvent_(logEvent("NwRebuild")),
       bondEvent_(logEvent("NwBonds")),
       pairEvent_(logEvent("NwPairs")),
@@ -65,8 +73,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
     if (sums_.data() != before) preferHugePages(sums_.data(), sums_.capacity() * sizeof(ForceSum));
     if (settings_.viscous || settings_.pairs.rubs())
       viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
-    if (settings_.pairs.rubs()) contacts_.rebuild(state);
   }
+  if (state.extras().friction) contacts_.rebuild(state);
   bondsKnown_ = false;
 }
 
@@ -164,7 +172,8 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
                   viscous && pairs && (settings_.viscous || settings_.pairs.rubs()),
                   lists_.takeDrawing(),
                   std::exchange(followed_, {}),
-                  std::vector<PairTally>(threads)};
+                  std::vector<PairTally>(threads),
+                  {}};
   tallies.bonds.resize(threads);
   for (std::size_t t = 0; t < threads; ++t)
     tallies.bonds[t].energyUnit = tallies.pairs[t].energyUnit = energyUnit_;
@@ -177,6 +186,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   {
     const LogScope log(bondEvent_);
     onShares(threads, [&](std::size_t t) {
+      if (viscous) startViscous(state, shares()[t]);
       if (!ownKnown) {
         clear(state, t);
         addBonds(state, t, BondList::own, tallies);
@@ -188,10 +198,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   const double begin = MPI_Wtime();
   if (pairs) {
     const LogScope log(pairEvent_);
-    onShares(threads, [&](std::size_t t) {
-      if (tallies.viscousPairs) startViscous(shares()[t]);
-      addPairs(state, t, false, tallies);
-    });
+    onShares(threads, [&](std::size_t t) { addPairs(state, t, false, tallies); });
   }
   double waited = MPI_Wtime();
   {
@@ -201,6 +208,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   waited = MPI_Wtime() - waited;
   addOuterBonds(state, tallies);
   if (viscous) addViscosity(state, tallies);
+  if (walls_) addWalls(state, tallies);
   if (pairs) {
     const LogScope log(pairEvent_);
     onShares(threads, [&](std::size_t t) {
@@ -211,6 +219,8 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     owed_ = !request.complete;
     notePairs(tallies);
   }
+  if (viscous && state.extras().friction)
+    onShares(threads, [&](std::size_t t) { contacts_.end(state, shares()[t]); });
   // An evaluation that draws spends about a fifth of its time on drawing.
   lists_.noteEvaluation(tallies.margin > 0 ? 0.2 * (MPI_Wtime() - begin - waited) : 0.0);
   return tallies.sum();
@@ -238,13 +248,24 @@ void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
   }
 }
 
-void ForceField::startViscous(Share share) {
-  std::fill(viscousSums_.begin() + 6 * share.begin, viscousSums_.begin() + 6 * share.end, 0);
-  if (settings_.pairs.rubs()) contacts_.begin(share);
+void ForceField::startViscous(const State& state, Share share) {
+  if (!viscousSums_.empty())
+    std::fill(viscousSums_.begin() + 6 * share.begin, viscousSums_.begin() + 6 * share.end, 0);
+  if (state.extras().friction) contacts_.begin(share);
+}
+
+void ForceField::addWalls(State& state, Tallies& tallies) {
+  const bool viscous = state.extras().viscous && tallies.request.viscous;
+  tallies.walls.resize(shares().size());
+  onShares(shares().size(), [&](std::size_t t) {
+    walls_.add(state, state.extras().friction ? &contacts_ : nullptr,
+               {nearest_, state.time, tallies.request.advance, viscous}, shares()[t],
+               tallies.walls[t]);
+  });
+  if (tallies.request.viscous) walls_.note(tallies.walls);
 }
 
 void ForceField::handOverViscous(State& state, Share share) {
-  if (settings_.pairs.rubs()) contacts_.end(state, share);
   const double forceUnit = settings_.pairs.forceUnit(), torqueUnit = settings_.pairs.torqueUnit();
   for (std::int32_t i = share.begin; i < share.end; ++i)
     for (int c = 0; c < 3; ++c) {

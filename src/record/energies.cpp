@@ -5,10 +5,10 @@ namespace nanoweft {
 Energies sumEnergies(const State& state, const ForceField& forces, const ForceOutcome& outcome,
                      const EnergyAccounts& accounts) {
   const SumUnit& unit = forces.energyUnit();
-  constexpr int count = 11;
+  constexpr int count = 12;
   ExactSum sums[count] = {
-      outcome.stretch, outcome.shear,     outcome.bending, outcome.torsion,  outcome.pair, {}, {},
-      accounts.damped, accounts.external, accounts.broken, accounts.friction};
+      outcome.stretch, outcome.shear,     outcome.bending, outcome.torsion,   outcome.pair, {}, {},
+      accounts.damped, accounts.external, accounts.broken, accounts.friction, outcome.wall};
   std::int64_t brokenBonds = 0;
   for (int i = 0; i < state.owned(); ++i) {
     const double* v = state.velocity + 3 * i;
@@ -26,8 +26,9 @@ Energies sumEnergies(const State& state, const ForceField& forces, const ForceOu
   Energies e;
   double* const values[count] = {&e.stretch,  &e.shear,   &e.bending,    &e.torsion,
                                  &e.pair,     &e.kinetic, &e.rotational, &e.damped,
-                                 &e.external, &e.broken,  &e.friction};
+                                 &e.external, &e.broken,  &e.friction,   &e.walls};
   for (int k = 0; k < count; ++k) *values[k] = sums[k].value(unit);
+  e.walls += forces.walls().kinetic();
   // Steppers book all that viscous forces take out.
   e.damped -= e.friction;
   e.brokenBonds = brokenBonds;

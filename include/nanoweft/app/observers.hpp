@@ -20,6 +20,7 @@ struct ObserverContext {
   const Boundaries& boundaries;
   const Kinds& kinds;
   const PairForces& pairs;
+  const Walls& walls;
 };
 
 using Observers = std::vector<std::unique_ptr<Observer>>;

@@ -51,6 +51,7 @@ struct RunPlan {
   Breakage breakage;
   std::unique_ptr<Scene> scene;  ///< null in a restart
   LinkLaw links;
+  Walls walls;
   Boundaries boundaries;
   Observers observers;
   Box box;

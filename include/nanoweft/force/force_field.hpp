@@ -9,6 +9,7 @@
 #include "nanoweft/force/contact_history.hpp"
 #include "nanoweft/force/link_forces.hpp"
 #include "nanoweft/force/list_keeper.hpp"
+#include "nanoweft/force/wall_forces.hpp"
 
 namespace nanoweft {
 
@@ -16,8 +17,10 @@ namespace nanoweft {
 struct ForceOutcome {
   ExactSum stretch, shear, bending, torsion, pair;  ///< when energies were asked for
   ExactSum released;                                ///< energy of bonds that broke
-  ExactSum friction;                                ///< work that friction took out
-  std::vector<std::int64_t> broken;                 ///< rows of the first segments of those bonds
+  ExactSum wall;                                    ///< energy of contacts with walls
+  ExactSum friction, external;       ///< work that friction took out, that walls put in
+  ExactSum dragged;                  ///< the part of `external` that comes by friction
+  std::vector<std::int64_t> broken;  ///< rows of the first segments of those bonds
 };
 
 struct ForceRequest {
@@ -36,6 +39,7 @@ class ForceField {
     Breakage breakage;
     ViscousDamping viscous;  ///< of lengths of 2 rf
     LinkLaw links;
+    Walls walls;
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;
   };
@@ -63,6 +67,8 @@ class ForceField {
   const Breakage& breakage() const { return settings_.breakage; }
   const LinkForces& links() const { return links_; }
   const ContactHistory& contacts() const { return contacts_; }
+  WallForces& walls() { return walls_; }
+  const WallForces& walls() const { return walls_; }
   const SumUnit& energyUnit() const { return energyUnit_; }
   /// Lets bonds flow plastically, and returns the elastic energy that this rank's bonds lost. To be
   /// called after an evaluation, before segments move.
@@ -82,7 +88,8 @@ class ForceField {
   void clear(State& state, std::size_t thread) const;
   /// Adds the summed pair forces on segments begin <= i < end to State::force and torque.
   void handOver(State& state, std::int32_t begin, std::int32_t end);
-  void startViscous(Share share);
+  void startViscous(const State& state, Share share);
+  void addWalls(State& state, Tallies& tallies);
   void handOverViscous(State& state, Share share);
   void notePairs(const Tallies& tallies);
 
@@ -92,6 +99,7 @@ class ForceField {
   ListKeeper lists_;
   LinkForces links_;
   ContactHistory contacts_;
+  WallForces walls_;
   std::vector<BondTally> followed_;  ///< what the threads of a ForcePass found in their bonds
   bool bondsKnown_ = false;          ///< a ForcePass has added the threads' own bonds already
   bool owed_ = false;                ///< pair forces wait in sums_ for a ForcePass

@@ -9,9 +9,13 @@
 
 namespace nanoweft {
 
-/// Reads the option; a row every `interval` steps, with a column for the work of friction where
-/// there is `friction`. Null when no table is wanted.
-std::unique_ptr<Observer> makeEnergyTable(Options& options, const UnitSystem& units, bool friction,
-                                          long interval);
+/// Columns that only some runs have.
+struct ExtraEnergies {
+  bool friction = false, walls = false;
+};
+
+/// Reads the option; a row every `interval` steps. Null when no table is wanted.
+std::unique_ptr<Observer> makeEnergyTable(Options& options, const UnitSystem& units,
+                                          const ExtraEnergies& extras, long interval);
 
 }  // namespace nanoweft

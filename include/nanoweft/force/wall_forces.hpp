@@ -1,0 +1,83 @@
+/// The forces of walls on segments, and of segments on walls.
+///
+/// A segment touches a wall with points along its axis, each of which stands for a piece of the
+/// fibre: the energy of a piece of length l that overlaps by d is (pi/8) E* d^2 l.
+#pragma once
+
+#include <vector>
+
+#include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/force/contact_history.hpp"
+#include "nanoweft/force/wall.hpp"
+#include "nanoweft/state/state.hpp"
+#include "nanoweft/state/state_file.hpp"
+
+namespace nanoweft {
+
+/// What a thread finds at the walls.
+struct WallTally {
+  ExactSum energy;
+  ExactSum friction, external;  ///< work that friction took out, that moving walls put in
+  ExactSum dragged;             ///< the part of `external` that comes by friction
+  struct Felt {
+    ExactSum force[3], torque[3];  ///< on the wall, the torque about `Wall::at`
+  };
+  std::vector<Felt> felt;  ///< a wall
+};
+
+class WallForces {
+ public:
+  WallForces(Walls walls, const Kinds& kinds);
+
+  explicit operator bool() const { return !walls_.empty(); }
+  const Walls& list() const { return walls_; }
+  bool rub() const;
+  bool driven() const;
+
+  /// A step's part of an evaluation: `time` is that of the poses; springs advance, and work is
+  /// booked, by the time step `dt`. Without `viscous`, friction is left as it is.
+  struct Terms {
+    const MinimumImage& nearest;
+    double time, dt;
+    bool viscous;
+  };
+  /// Adds to the force, torque and viscous parts of the segments of a share.
+  void add(State& state, ContactHistory* history, const Terms& terms, Share share,
+           WallTally& tally) const;
+  /// Takes what the threads of this rank found.
+  void note(const std::vector<WallTally>& tallies);
+
+  /// Moves the walls from `time` by `dt`. Collective when some wall is driven.
+  void move(MPI_Comm comm, double time, double dt, ExactSum& external);
+  /// Force and torque that the walls feel, [6] a wall. Collective.
+  std::vector<double> felt(MPI_Comm comm) const;
+  /// Energy of motion of the driven walls.
+  double kinetic() const;
+
+  /// What a restart needs: for each wall its way and speed, and the sums of what it feels.
+  /// Collective.
+  void save(RunRecord& record, MPI_Comm comm) const;
+  /// Throws InputError for what is missing.
+  void restore(const RunRecord& record, int rank);
+  /// Puts walls that move as prescribed where they are at a time.
+  void place(double time);
+
+ private:
+  struct Place {
+    int segment;
+    std::size_t wall;
+    Vec3d x, axis;
+    const Fibre& fibre;
+  };
+  void touch(State& state, ContactHistory* history, const Terms& terms, const Place& place,
+             WallTally& tally) const;
+  void rubAt(State& state, ContactHistory& history, const Terms& terms, const Place& place,
+             const ContactPatch& patch, WallTally& tally) const;
+
+  Walls walls_;
+  const Kinds& kinds_;
+  SumUnit energyUnit_, forceUnit_;
+  std::vector<WallTally::Felt> felt_;
+};
+
+}  // namespace nanoweft

@@ -1,0 +1,217 @@
+#include "nanoweft/force/wall_forces.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+namespace nanoweft {
+
+namespace {
+
+constexpr int points = 6;  ///< of a segment
+
+void addTo(ExactSum* sum, const Vec3d& v, double sign, const SumUnit& unit) {
+  sum[0].add(sign * v.x, unit);
+  sum[1].add(sign * v.y, unit);
+  sum[2].add(sign * v.z, unit);
+}
+
+Vec3d triple(const double* of, int i) {
+  return {of[3 * i], of[3 * i + 1], of[3 * i + 2]};
+}
+
+void addAt(double* to, const Vec3d& v) {
+  to[0] += v.x;
+  to[1] += v.y;
+  to[2] += v.z;
+}
+
+}  // namespace
+
+WallForces::WallForces(Walls walls, const Kinds& kinds)
+    : walls_(std::move(walls)),
+      kinds_(kinds),
+      energyUnit_(kinds.energyScale()),
+      forceUnit_(kinds.forceScale()),
+      felt_(walls_.size()) {}
+
+bool WallForces::rub() const {
+  return std::ranges::any_of(walls_, [](const Wall& w) { return bool(w.friction); });
+}
+
+bool WallForces::driven() const {
+  return std::ranges::any_of(walls_, [](const Wall& w) { return w.driven(); });
+}
+
+void WallForces::add(State& state, ContactHistory* history, const Terms& terms, Share share,
+                     WallTally& tally) const {
+  tally.felt.resize(walls_.size());
+  for (int i = share.begin; i < share.end; ++i) {
+    const Fibre& fibre = kinds_[state.kind(i)];
+    const double reach = fibre.radius + 0.5 * fibre.length;
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+      const Vec3d x = terms.nearest(state.position(i) - walls_[w].at());
+      if (walls_[w].see(x).gap < reach)
+        touch(state, history, terms, {i, w, x, axis1(state.orientation(i)), fibre}, tally);
+    }
+  }
+}
+
+void WallForces::touch(State& state, ContactHistory* history, const Terms& terms,
+                       const Place& place, WallTally& tally) const {
+  const auto& [i, number, x, axis, fibre] = place;
+  const Wall& wall = walls_[number];
+  const double piece = fibre.length / points,
+               line = 0.25 * std::numbers::pi *
+                      wall.modulus[static_cast<std::size_t>(state.kind(i))] * piece;
+  Vec3d force, torque;
+  ContactPatch patch;
+  double energy = 0;
+  for (int k = 0; k < points; ++k) {
+    const double u = ((k + 0.5) / points - 0.5) * fibre.length;
+    const Wall::Sight sight = wall.see(x + u * axis);
+    const double overlap = fibre.radius - sight.gap;
+    if (!(overlap > 0)) continue;
+    const double load = line * overlap;
+    energy += 0.5 * load * overlap;
+    force += load * sight.normal;
+    torque += (u * load) * cross(axis, sight.normal);
+    patch.load += load;
+    patch.stiffness += line;
+    patch.placeI += load * u;
+    patch.overlap += load * overlap;
+    patch.normal -= load * sight.normal;  // towards the wall
+  }
+  if (!(patch.load > 0)) return;
+  addAt(state.force + 3 * i, force);
+  addAt(state.torque + 3 * i, torque);
+  tally.energy.add(energy, energyUnit_);
+  WallTally::Felt& felt = tally.felt[number];
+  addTo(felt.force, force, -1.0, forceUnit_);
+  addTo(felt.torque, cross(x, force) + torque, -1.0, energyUnit_);
+  if (!wall.driven() && terms.dt > 0) {
+    const Vec3d way = 0.5 * (wall.wayAt(terms.time + terms.dt) - wall.wayAt(terms.time - terms.dt));
+    tally.external.add(dot(force, way), energyUnit_);
+  }
+  if (!wall.friction || !terms.viscous || !history) return;
+  patch.placeI /= patch.load;
+  patch.overlap /= patch.load;
+  if (const double size = norm(patch.normal); size > 0) {
+    patch.normal = (1.0 / size) * patch.normal;
+    rubAt(state, *history, terms, place, patch, tally);
+  }
+}
+
+void WallForces::rubAt(State& state, ContactHistory& history, const Terms& terms,
+                       const Place& place, const ContactPatch& patch, WallTally& tally) const {
+  const auto& [i, number, x, axis, fibre] = place;
+  const Wall& wall = walls_[number];
+  // Walls stand among the partners with negative rows.
+  double* const spring = history.find(state, i, -2 - static_cast<std::int64_t>(number));
+  if (!spring) return;
+  const Vec3d lever = patch.placeI * axis + (fibre.radius - 0.5 * patch.overlap) * patch.normal;
+  // Velocities are those half a step back.
+  const Vec3d surface = wall.surfaceVelocity(wall.at() + x + lever, terms.time - 0.5 * terms.dt);
+  FrictionLaw law = wall.friction;
+  law.mass = fibre.mass;
+  const auto action = law.act(
+      patch, lever, axis, fibre.radius,
+      {triple(state.velocity, i), surface, triple(state.angular, i), Vec3d{}}, terms.dt, spring);
+  addAt(state.viscous + 6 * i, action.forceI);
+  addAt(state.viscous + 6 * i + 3, action.torqueI);
+  tally.friction.add(action.power * terms.dt, energyUnit_);
+  // Steppers book all work of friction on the fibres as damped; that of a moving wall comes from
+  // it.
+  const double dragged = dot(action.forceI, surface) * terms.dt;
+  tally.external.add(dragged, energyUnit_);
+  tally.dragged.add(dragged, energyUnit_);
+  WallTally::Felt& felt = tally.felt[number];
+  addTo(felt.force, action.forceI, -1.0, forceUnit_);
+  addTo(felt.torque, cross(x + lever, action.forceI), -1.0, energyUnit_);
+}
+
+void WallForces::note(const std::vector<WallTally>& tallies) {
+  felt_.assign(walls_.size(), {});
+  for (const WallTally& tally : tallies)
+    for (std::size_t w = 0; w < tally.felt.size(); ++w)
+      for (int c = 0; c < 3; ++c) {
+        felt_[w].force[c].merge(tally.felt[w].force[c]);
+        felt_[w].torque[c].merge(tally.felt[w].torque[c]);
+      }
+}
+
+std::vector<double> WallForces::felt(MPI_Comm comm) const {
+  std::vector<ExactSum> sums;
+  for (const WallTally::Felt& f : felt_) {
+    sums.insert(sums.end(), f.force, f.force + 3);
+    sums.insert(sums.end(), f.torque, f.torque + 3);
+  }
+  ExactSum::reduce(sums.data(), static_cast<int>(sums.size()), comm);
+  std::vector<double> values;
+  for (std::size_t k = 0; k < sums.size(); ++k)
+    values.push_back(sums[k].value(k % 6 < 3 ? forceUnit_ : energyUnit_));
+  return values;
+}
+
+void WallForces::move(MPI_Comm comm, double time, double dt, ExactSum& external) {
+  const std::vector<double> all = driven() ? felt(comm) : std::vector<double>();
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    Wall& wall = walls_[w];
+    if (!wall.driven()) {
+      wall.moved = wall.wayAt(time + dt);
+      continue;
+    }
+    const Vec3d push = wall.factor(time) * wall.force;
+    const Vec3d along = (1.0 / norm(wall.force)) * wall.force;
+    const Vec3d felt{all[6 * w], all[6 * w + 1], all[6 * w + 2]};
+    const Vec3d before = wall.speed;
+    wall.speed += (dt / wall.mass * dot(push + felt - wall.drag * before, along)) * along;
+    wall.moved += dt * wall.speed;
+    // What the push puts in and drag takes out; the same on all ranks, so one books it.
+    if (rank == 0) {
+      const Vec3d mean = 0.5 * (before + wall.speed);
+      external.add(dt * dot(push - wall.drag * before, mean), energyUnit_);
+    }
+  }
+}
+
+void WallForces::place(double time) {
+  for (Wall& wall : walls_)
+    if (!wall.driven()) wall.moved = wall.wayAt(time);
+}
+
+void WallForces::save(RunRecord& record, MPI_Comm comm) const {
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    const Wall& wall = walls_[w];
+    record.reals["wall_" + wall.name] = {wall.moved.x, wall.moved.y, wall.moved.z,
+                                         wall.speed.x, wall.speed.y, wall.speed.z};
+    std::vector<ExactSum> sums(felt_[w].force, felt_[w].force + 3);
+    sums.insert(sums.end(), felt_[w].torque, felt_[w].torque + 3);
+    ExactSum::reduce(sums.data(), 6, comm);
+    auto& numbers = record.integers["wall_" + wall.name + "_felt"];
+    for (const ExactSum& sum : sums) numbers.insert(numbers.end(), sum.data(), sum.data() + 3);
+  }
+}
+
+void WallForces::restore(const RunRecord& record, int rank) {
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    Wall& wall = walls_[w];
+    const auto& reals = record.needReals("wall_" + wall.name, 6);
+    wall.moved = {reals[0], reals[1], reals[2]};
+    wall.speed = {reals[3], reals[4], reals[5]};
+    const auto& numbers = record.needIntegers("wall_" + wall.name + "_felt", 18);
+    for (std::size_t c = 0; c < 6 && rank == 0; ++c)
+      std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(3 * c), 3,
+                  (c < 3 ? felt_[w].force[c] : felt_[w].torque[c - 3]).data());
+  }
+}
+
+double WallForces::kinetic() const {
+  double sum = 0;
+  for (const Wall& w : walls_) sum += 0.5 * w.mass * dot(w.speed, w.speed);
+  return sum;
+}
+
+}  // namespace nanoweft

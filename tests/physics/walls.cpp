@@ -1,0 +1,164 @@
+/// Walls (model.md 20): contact, motion, forces and friction.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/expect.hpp"
+#include "support/formulas.hpp"
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+using tube::gigapascal;
+using tube::pi;
+constexpr double T = tube::length, rf = tube::rf;
+
+const std::string fromFile = "-scene file -scene_file in.h5 -pair none -progress_interval 0 ";
+const std::string floorWall =
+    "-walls floor -floor_point 0,0,0 -floor_axis 0,0,1 -floor_modulus 20 ";
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", x);
+  return text;
+}
+
+TEST(Walls, AFibrePressedOnAFloorSinksInByHertzLine) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, rf}, {1, 0, 0}, 10)});
+  const double press = 0.01;
+  const auto outcome = run(
+      folder, fromFile + floorWall +
+                  "-bc all -all_region -1000,-10,-10,1000,10,20 -all_force 0,0," + number(-press) +
+                  " -damping_local 0.5 -ts_dt 10 -ts_max_steps 10000 -state_output out.h5 "
+                  "-wall_monitor ascii:walls.csv -monitor_interval 1000");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const double overlap = press / (pi / 4 * 20 * gigapascal * T);
+  for (const Vec3d& x : readVectors(folder / "out.h5", "/state/position"))
+    EXPECT_NEAR(x.z, rf - overlap, 1e-8);
+  const auto walls = readCsv(folder / "walls.csv");
+  EXPECT_NEAR(walls.at("floor_force_z").back(), -10 * press, 1e-8);
+  // About the floor's point, which lies below the first centre.
+  EXPECT_NEAR(walls.at("floor_torque_y").back(), 10 * press * 4.5 * T, 1e-6);
+}
+
+/// Energies while a wall of some shape that moves upwards meets a fibre above it.
+std::map<std::string, std::vector<double>> collide(const std::string& wall, double dt,
+                                                   double height) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({-4.3 * T, 0, height}, {1, 0, 0}, 10)});
+  const auto outcome = run(folder, fromFile + "-walls w -w_modulus 20 -w_velocity 0,0,3e-4 " +
+                                       wall + " -ts_dt " + number(dt) +
+                                       " -ts_max_time 12000 -energy_monitor ascii:e.csv "
+                                       "-monitor_interval 10");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  return readCsv(folder / "e.csv");
+}
+
+TEST(Walls, MovingOnesPutInWhatTheFibresGain) {
+  const struct {
+    std::string wall;
+    double height;
+  } cases[] = {
+      {"-w_point 0,0,0 -w_axis 0,0,1", rf + 0.2},
+      {"-w_shape cylinder -w_radius 40 -w_point 0,0,-40 -w_axis 0,1,0", rf + 0.2},
+      {"-w_shape sphere -w_radius 30 -w_point 0,0,-30", rf + 0.2},
+      {"-w_shape cylinder -w_inside -w_radius 200 -w_point 0,0,200 -w_axis 1,0,0", rf + 0.2}};
+  for (const auto& c : cases) {
+    double drift[2];
+    for (int k = 0; k < 2; ++k) {
+      const auto e = collide(c.wall, k == 0 ? 16 : 8, c.height);
+      EXPECT_GT(*std::ranges::max_element(e.at("walls")), 1e-4) << c.wall << ": it was not met";
+      EXPECT_GT(e.at("external").back(), 1e-3);
+      drift[k] = 0;
+      for (std::size_t n = 0; n < e.at("total").size(); ++n)
+        drift[k] = std::max(
+            drift[k], std::abs(e.at("total")[n] - e.at("external")[n]) / e.at("external").back());
+    }
+    EXPECT_LT(drift[0], 0.06) << c.wall;
+    EXPECT_LT(drift[1], 0.7 * drift[0]) << c.wall;
+  }
+}
+
+TEST(Walls, APlateThatAForceDrivesRestsWhereTheFibresBearIt) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, rf}, {1, 0, 0}, 10)});
+  const auto outcome =
+      run(folder, fromFile +
+                      "-walls floor,lid -floor_point 0,0,0 -floor_axis 0,0,1 -floor_modulus 20 "
+                      "-lid_point 0,0,13.7 -lid_axis 0,0,-1 -lid_modulus 20 -lid_force 0,0,-0.2 "
+                      "-lid_mass 20000 -lid_drag 2000 -damping_local 0.3 -ts_dt 10 -ts_max_steps "
+                      "20000 -wall_monitor ascii:w.csv -monitor_interval 5000 -state_output o.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto walls = readCsv(folder / "w.csv");
+  EXPECT_NEAR(walls.at("lid_force_z").back(), 0.2, 1e-4);
+  EXPECT_NEAR(walls.at("floor_force_z").back(), -0.2, 1e-4);
+  const double overlap = 0.02 / (pi / 4 * 20 * gigapascal * T);
+  EXPECT_NEAR(walls.at("lid_way_z").back(), 2 * rf - 2 * overlap - 13.7, 1e-3);
+}
+
+/// A limp fibre over a fixed rod by half a turn, drawn by 1 at one end and by `pull` at the other.
+/// Returns how fast the drawn end goes at last.
+double speedOver(double pull, double R) {
+  const Folder folder;
+  const double r = R + rf - 0.02, straight = 14 * T, half = pi * r;
+  FibreInput fibre;
+  for (int k = 0; (k + 0.5) * T < 2 * straight + half; ++k) {
+    const double s = (k + 0.5) * T - straight, turned = std::clamp(s / r, 0.0, pi);
+    const Vec3d along{std::cos(turned), -std::sin(turned), 0};
+    const double beyond = s < 0 ? s : std::max(0.0, s - half);
+    fibre.position.push_back(r * Vec3d{std::sin(turned), std::cos(turned), 0} + beyond * along);
+    fibre.orientation.push_back(rotation(Vec3d{0, 0, -turned}));
+  }
+  writeState(folder / "in.h5", {fibre});
+  std::vector<double> group(fibre.position.size(), 0);
+  group.front() = 1;
+  group.back() = 2;
+  setDataset(folder / "in.h5", "group", group, 1);
+  const auto outcome =
+      run(folder, fromFile +
+                      "-start_unchecked -fibre_bond_stiffness 60,20,-4,1.5 -walls rod -rod_shape "
+                      "cylinder -rod_point 0,0,0 -rod_axis 0,0,1 -rod_modulus 50 -rod_friction 0.3 "
+                      "-rod_restitution 0.5 -bc a,b -a_group 0 -a_force -1,0,0 -a_ramp 200000 "
+                      "-b_group 1 -b_ramp 200000 -damping_local 0.5 -ts_dt 10 -ts_max_steps 60000 "
+                      "-state_output out.h5 -rod_radius " +
+                      number(R) + " -b_force " + number(-pull) + ",0,0");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  return norm(readVectors(folder / "out.h5", "/state/velocity").back());
+}
+
+TEST(Walls, AFibreOverARodHoldsToTheCapstanEquationWithinOnePercent) {
+  // Friction acts at the rod's surface, tension at the fibre's axis.
+  const double R = 150, most = std::exp(0.3 * pi * R / (R + rf));
+  EXPECT_LT(speedOver(0.99 * most, R), 1e-6);
+  EXPECT_GT(speedOver(1.01 * most, R), 2e-6);
+}
+
+TEST(Walls, ThatCannotBeMeantAreRefused) {
+  const Folder folder;
+  const std::string fibre = "-scene fibre -fibre_segments 5 -pair none -ts_max_steps 1 ";
+  const struct {
+    std::string options;
+    std::vector<std::string> says;
+  } cases[] = {
+      {"-walls w", {"-w_point"}},
+      {"-walls w -w_point 0,0,0", {"-w_axis"}},
+      {"-walls w -w_point 0,0,0 -w_axis 0,0,0", {"-w_axis"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1", {"-w_modulus"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_radius 3", {"-w_radius"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_inside", {"-w_inside"}},
+      {"-walls w -w_point 0,0,-90 -w_shape sphere -w_modulus 10", {"-w_radius"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_force 0,0,1", {"-w_mass"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_friction -1", {"-w_friction"}},
+      {"-walls w,w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10", {"named twice"}},
+      {"-wall_monitor ascii:w.csv", {"-wall_monitor", "-walls"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_velocity 0,0,1 -relax_method fire",
+       {"wall w"}}};
+  for (const auto& c : cases) expectRefused(runAlone(folder, fibre + c.options), c.says);
+}
+
+}  // namespace
+}  // namespace nanoweft::test
