@@ -319,10 +319,14 @@ def write(name: Path, state: State) -> None:
             group["fibre_closed"] = state.closed
 
 
-def link(name: Path, ends: ArrayLike) -> None:
-    """Adds links to a state file made by hand: fibre and index of both ends, [L,2,2]."""
+def link(name: Path, ends: ArrayLike, length: float | None = None) -> None:
+    """Adds links to a state file made by hand: fibre and index of both ends, [L,2,2]. `length`: of
+    all at rest; by default each is at rest as it is."""
     with h5py.File(name, "r+") as file:
-        file.create_group("link")["segments"] = np.asarray(ends, np.int64)
+        group = file.create_group("link")
+        group["segments"] = np.asarray(ends, np.int64)
+        if length is not None:
+            group["rest_length"] = np.full(len(group["segments"]), length)
 
 
 def turn_back(name: Path) -> None:
