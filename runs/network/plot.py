@@ -25,8 +25,12 @@ for name, colour in zip(options.tables, (BLUE, ORANGE, GREEN)):
     _, links, modulus, left, error = np.loadtxt(name, ndmin=2).T
     axes.errorbar(links - HINGED, modulus, modulus * error / left, fmt="o", color=colour, capsize=3,
                   label=pathlib.Path(name).stem)
-x = np.geomspace(1, 4, 9)
-axes.plot(x, 2.2e-3 * x**3, "--", color=INK, label="slope 3")
-axes.set(xscale="log", yscale="log", xlabel=f"links per fibre - {HINGED}", ylabel="shear modulus, ES/L")
+x = np.array([0.9, 6])
+axes.plot(x, 1.15e-3 * x**3, "--", color=INK, label="slope 3")
+axes.set(xscale="log", yscale="log", xlabel=f"links per fibre - {HINGED}",
+         ylabel="shear modulus, ES/L")
+ticks = [0.5, 1, 2, 4, 6]
+axes.set_xticks(ticks, map(str, ticks))
+axes.set_xticks([], minor=True)
 axes.legend()
 figure.savefig(options.output, dpi=110)
