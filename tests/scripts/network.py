@@ -73,7 +73,7 @@ class Network(FolderTest):
         self.assertAlmostEqual(left / (rest / start), 1, delta=1e-3)
 
     def test_the_modulus_rises_with_links_per_fibre(self) -> None:
-        # Of the same fibres with 2, 4.4, 5.4 and 6.8 links each: loose, then ever nearer to the affine modulus.
+        # Of the same fibres with 2, 4.4, 5.4 and 6.8 links each; two leave them loose.
         left = [self.share_left(share) for share in (0.3, 0.65, 0.8, 1.0)]
         self.assertLess(left[0], 1e-4)
         for fewer, more in zip(left[:-1], left[1:]):
