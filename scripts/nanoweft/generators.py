@@ -267,3 +267,70 @@ def rings(count: int) -> Array:
         places.append(radius * np.column_stack([np.cos(angle), np.sin(angle)]))
         radius += TOUCHING
     return np.concatenate(places)[:count]
+
+
+@dataclass(frozen=True)
+class Network:
+    """Straight fibres in a periodic plane, at random on the lines of a triangular lattice whose
+    spacing is a segment: where two of them cross, two segments are at one place."""
+    fibres: int = 100
+    segments: int = 20
+    across: int = 60        # segments that fit along x; along y about as many
+    seed: int = 1
+
+    @property
+    def rows(self) -> int:
+        """Of the lattice; even, so that it closes."""
+        return 2 * round(self.across / math.sqrt(3))
+
+    def lay(self) -> Array:
+        """Places of the segments on the lattice [fibres,segments,2], where (1, 0) leads along x and
+        (0, 1) 60 degrees up from it. Fibres on one line stay apart."""
+        random = np.random.default_rng(self.seed)
+        ways = np.array([(1, 0), (0, 1), (-1, 1)])
+        taken: set[tuple[int, int]] = set()  # node and direction
+        fibres: list[Array] = []
+        for _ in range(1000 * self.fibres):
+            way = int(random.integers(3))
+            start = random.integers((self.across, self.rows))
+            along = start + np.arange(-1, self.segments + 1)[:, None] * ways[way]
+            nodes = [(node, way) for node in self.nodes(along).tolist()]
+            if taken.isdisjoint(nodes):
+                taken.update(nodes[1:-1])
+                fibres.append(along[1:-1])
+            if len(fibres) == self.fibres:
+                return np.array(fibres)
+        raise ValueError(f"{self.fibres} fibres do not fit beside each other")
+
+    def nodes(self, places: Array) -> Array:
+        """Numbers of the lattice's nodes, the same for all images of one."""
+        up, b = np.divmod(places[..., 1], self.rows)
+        return np.asarray(b * self.across + (places[..., 0] + up * (self.rows // 2)) % self.across)
+
+
+def crossings(network: Network, places: Array) -> Array:
+    """Fibre and index of the two segments [L,2,2] at each crossing; where three fibres meet, of two
+    crossings, which hold them together."""
+    node = network.nodes(places).ravel()
+    order = np.argsort(node, kind="stable")
+    same = np.flatnonzero(np.diff(node[order]) == 0)
+    ends = np.stack([order[same], order[same + 1]], axis=1)
+    return np.stack(np.divmod(ends, network.segments), axis=2)
+
+
+def network(file: File, how: Network, share: float = 1.0, shear: float = 0.0) -> int:
+    """Writes a random network of which this share of the crossings is tied, stretched by `shear`
+    along x and shortened as much along y; the number of its links."""
+    places = how.lay()
+    links = crossings(how, places)
+    chosen = np.random.default_rng(how.seed + 1).permutation(len(links))[:round(share * len(links))]
+    flat = LENGTH * places @ np.array([(1, 0), (0.5, math.sqrt(0.75))])
+    stretch = np.array([1 + shear, 1 / (1 + shear)])
+    fibres = [np.column_stack([x * stretch, np.zeros(len(x))]) for x in flat]
+    box = LENGTH * np.array([how.across, how.rows * math.sqrt(0.75)]) * stretch
+    states.write(file, states.of_fibres([(x, rotations.along(x)) for x in fibres], [0, 0, -200],
+                                        [*box, 200], (1, 1, 0)))
+    if len(chosen):
+        # Springs of no length hold two segments at one place and leave them free to turn.
+        states.link(file, links[np.sort(chosen)], 1e-9)
+    return len(chosen)

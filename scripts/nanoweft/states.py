@@ -33,6 +33,10 @@ def no_ids() -> Array:
     return np.zeros(0, np.int64)
 
 
+def no_links() -> Array:
+    return np.zeros((0, 2), np.int64)
+
+
 @dataclass
 class State:
     """Segments, a row each, and their box."""
@@ -48,6 +52,7 @@ class State:
     run: dict[str, Any] = field(default_factory=dict)  # attributes of /run: by which run it was written
     kinds: Kinds = Kinds()
     values: Array | None = None  # a number for each segment, where one was asked for
+    links: Array = field(default_factory=no_links)  # [L,2]: rows of both ends of each whole link
 
     def __len__(self) -> int:
         return len(self.rows["position"])
@@ -198,9 +203,32 @@ class StateFile:
             raise Unusable(f"{self.name}: some position is not finite")
         state = State(rows, self.lower, self.upper, self.periodic, self.step, self.time, self.units,
                       closed, self.attributes, self.run, self.kinds)
+        if "link" in self.file and {"fibre", "index"} <= rows.keys():
+            state.links = self.links(state)
         if values:
             state.values = self.numbers(values)
         return state
+
+    def links(self, state: State) -> Array:
+        """Rows of the state at both ends [L,2] of each link that is whole."""
+        try:
+            ends = self.file["link/segments"][()]
+            whole = (self.file["link/broken"][()] == 0 if "broken" in self.file["link"]
+                     else np.ones(len(ends), bool))
+        except (OSError, KeyError, TypeError, RuntimeError):
+            raise Unusable(self.foreign) from None
+        if ends.shape[1:] != (2, 2) or ends.dtype.kind not in "iu" or whole.shape != ends.shape[:1]:
+            raise Unusable(f"{self.name}: /link/segments must hold whole numbers [L,2,2],"
+                           " /link/broken as many rows")
+        places = zip(state["fibre"].tolist(), state["index"].tolist())
+        row = {place: k for k, place in enumerate(places)}
+        try:
+            found = [row[fibre, index] for fibre, index in ends[whole].reshape(-1, 2).tolist()]
+        except KeyError as lost:
+            fibre, index = lost.args[0]
+            raise Unusable(f"{self.name}: a link ends at fibre {fibre}, segment {index}, which is"
+                           " not there") from None
+        return np.array(found, np.int64).reshape(-1, 2)
 
     def drawable(self) -> dict[str, h5py.Dataset]:
         """Datasets with a number or a vector for each segment."""
@@ -291,10 +319,14 @@ def write(name: Path, state: State) -> None:
             group["fibre_closed"] = state.closed
 
 
-def link(name: Path, ends: ArrayLike) -> None:
-    """Adds links to a state file made by hand: fibre and index of both ends, [L,2,2]."""
+def link(name: Path, ends: ArrayLike, length: float | None = None) -> None:
+    """Adds links to a state file made by hand: fibre and index of both ends, [L,2,2]. `length`: of
+    all at rest; by default each is at rest as it is."""
     with h5py.File(name, "r+") as file:
-        file.create_group("link")["segments"] = np.asarray(ends, np.int64)
+        group = file.create_group("link")
+        group["segments"] = np.asarray(ends, np.int64)
+        if length is not None:
+            group["rest_length"] = np.full(len(group["segments"]), length)
 
 
 def turn_back(name: Path) -> None:
@@ -335,6 +367,16 @@ def find_tubes(state: State) -> Tubes:
     alone[first] = alone[second] = False
     rest = np.flatnonzero(alone)
     return Tubes(position, np.append(first, rest), np.append(second, rest), torn)
+
+
+def half_links(state: State) -> tuple[Array, Array]:
+    """Rows at which links end, and the way from there to the middle of the link, by the nearest
+    image of its other end."""
+    first, second = state.links.T
+    way = state["position"][second] - state["position"][first]
+    box = np.where(state.periodic, state.box, np.inf)
+    way -= np.where(state.periodic, np.round(way / box) * state.box, 0.0)
+    return np.append(first, second), 0.5 * np.concatenate([way, -way])
 
 
 def blocks(count: int) -> Iterator[tuple[int, int]]:

@@ -161,6 +161,38 @@ class Render(FolderTest):
         self.addCleanup(film.close)
         return film
 
+    def test_links_are_drawn_once_and_by_the_nearest_image(self):
+        def link_pixels(links, box=None, broken=None):
+            fibres = [straight((5, y, 0), (1, 0, 0), 20) for y in (-80, 0, 80)]
+            write_state(self.path("in.h5"), fibres, box=box)
+            with h5py.File(self.path("in.h5"), "r+") as file:
+                file["state"].attrs["periodic"] = [0, int(box is not None), 0]
+                file["link/segments"] = links
+                if broken:
+                    file["link/broken"] = np.array(broken, np.int8)
+            picture = self.draw("in.h5", "--size", "300x250")[:, :220]  # without the legend
+            return (picture[..., 0] > picture[..., 1] + 90) & (picture[..., 2] > picture[..., 1] + 60)
+
+        inside, across = [[0, 4], [1, 4]], [[0, 14], [2, 14]]
+        one = link_pixels([inside])
+        columns = np.flatnonzero(one.any(axis=0))
+        self.assertLess(columns[-1] - columns[0], 8)
+        self.assertGreater(one.any(axis=1).sum(), 50)  # from axis to axis
+        # A broken link is gone.
+        np.testing.assert_array_equal(link_pixels([inside, across], broken=[0, 1]), one)
+        # Through the boundary a link leaves the piece at both sides, and does not cross the middle.
+        both = link_pixels([across], box=([0, -100, -50], [400, 100, 50]))
+        rows = np.flatnonzero(both.any(axis=1))
+        self.assertFalse(both[110:140].any())
+        self.assertTrue(rows[0] < 110 and rows[-1] > 140)
+        self.assertGreater(link_pixels([across]).any(axis=1).sum(), 100)
+
+    def test_links_that_end_nowhere_are_refused(self):
+        write_state(self.path("in.h5"), [straight((0, 0, 0), (1, 0, 0), 5)])
+        with h5py.File(self.path("in.h5"), "r+") as file:
+            file["link/segments"] = [[[0, 1], [7, 2]]]
+        self.expect_refusal("fibre 7, segment 2", "in.h5", "-o", "none.png")
+
     def test_movie(self):
         film = self.film(*self.three_frames(), "--size", "500x200", "--dark")
         self.assertEqual((film.n_frames, film.size), (3, (500, 200)))

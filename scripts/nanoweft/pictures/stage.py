@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -34,6 +34,29 @@ def usual_colour(file: str) -> str:
     """By what to colour where nothing is asked for."""
     with StateFile(file) as state:
         return "kind" if len(state.kinds) > 1 else "fibre"
+
+
+class Extra(NamedTuple):
+    """Straight tubes of one colour besides the fibres, in samples."""
+    a: Array
+    b: Array
+    radius: Array
+    colour: str
+
+
+# Ends, tangents at both, radii and linear colours, as the scene to be lit has them.
+Pipes = tuple[Array, Array, tuple[Array, Array], Array, Array]
+
+
+def with_extras(pipes: Pipes, extras: list[Extra]) -> Pipes:
+    a, b, (before, after), wide, albedo = pipes
+    for extra in extras:
+        flat = np.zeros((len(extra.a), 3), np.float32)
+        tint = light.linear(np.tile(to_rgb(extra.colour), (len(extra.a), 1)))
+        a, b = np.concatenate([a, extra.a]), np.concatenate([b, extra.b])
+        before, after = np.concatenate([before, flat]), np.concatenate([after, flat])
+        wide, albedo = np.append(wide, extra.radius), np.concatenate([albedo, tint])
+    return a, b, (before, after), wide, albedo
 
 
 @dataclass
@@ -111,6 +134,8 @@ class Stage:
         result = colours.colour(self.how, state, tubes, self.palette, scale)
         if self.marked:
             result = result._replace(legend=result.legend + (("broken bonds", colours.BREAK),))
+        if len(state.links):
+            result = result._replace(legend=result.legend + (("links", colours.LINK),))
         return result
 
     def pixel(self, layout: Layout) -> float:
@@ -137,18 +162,24 @@ class Stage:
         a = seen[first] + along * torn[0, first, None]
         b = seen[second] - along * torn[1, second, None]
         tangent = tangents(seen, first, second)
-        wide, albedo = radius[first], light.linear(tint.tubes)
+        extras = []
         if self.marked:
             # What crosses above must not hide the marks.
             rows = np.concatenate([first[torn[0, first]], second[torn[1, second]]])
             ends = np.concatenate([a[torn[0, first]], b[torn[1, second]]]) + [0, 0, 4 * thick]
-            a, b = np.concatenate([a, ends]), np.concatenate([b, ends])
-            flat = np.zeros((len(ends), 3), np.float32)
-            tangent = (np.concatenate([tangent[0], flat]), np.concatenate([tangent[1], flat]))
-            wide = np.append(wide, np.maximum(1.3 * radius[rows], 2.6 * sampling))
-            albedo = np.concatenate([albedo, light.linear(np.tile(to_rgb(colours.BREAK), (len(ends), 1)))])
+            wide = np.maximum(1.3 * radius[rows], 2.6 * sampling)
+            extras.append(Extra(ends, ends, wide, colours.BREAK))
+        if len(state.links):
+            rows, way = states.half_links(state)
+            along = way @ self.eye.T * fine
+            along[:, 2] += lift * way[:, 2]
+            # Links lie upon the fibres that they tie, or those would hide most of them.
+            ends = seen[rows] + np.multiply.outer(radius[rows], [0, 0, 1])
+            wide = np.maximum(0.4 * radius[rows], 1.3 * sampling)
+            extras.append(Extra(ends, ends + along, wide, colours.LINK))
+        tubes = with_extras((a, b, tangent, radius[first], light.linear(tint.tubes)), extras)
         level, tilt = self.ground(fine, shift, seen)
-        scene = light.Scene(a, b, tangent, wide, albedo, light.linear(to_rgb(self.paper)),
+        scene = light.Scene(*tubes, light.linear(to_rgb(self.paper)),
                             (thin, thick), level, tilt)
         return light.draw(scene, layout.width, layout.height, sampling)
 
