@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "nanoweft/record/box_table.hpp"
 #include "nanoweft/record/energy_table.hpp"
 #include "nanoweft/record/kind_stress_table.hpp"
 #include "nanoweft/record/kind_table.hpp"
@@ -29,6 +30,7 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   add(makeKindTable(options, c.units, c.kinds, s.monitorInterval));
   add(makeStressTable(options, c.units, c.boundaries, s.monitorInterval));
   add(makeKindStressTable(options, c.units, c.kinds, c.boundaries, s.monitorInterval));
+  add(makeBoxTable(options, c.units, c.boxDrive, s.monitorInterval));
   add(makeWallTable(options, c.units, c.walls, s.monitorInterval));
   add(makeRelaxation(c));
   add(makeBalance(c));

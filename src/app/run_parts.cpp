@@ -182,6 +182,7 @@ void RunParts::goOn() {
   boundaries.attach(*state, record, plan->checkpoint.has_value());
   if (plan->checkpoint) restore(record);
   forces->walls().place(state->time);
+  plan->boxDrive.attach(state->box, record, plan->checkpoint.has_value());
   if (!boundaries.tensionGoesOn()) return;
   for (const auto& observer : plan->observers) observer->restoreStage(record);
   const Tension& t = *boundaries.tension();

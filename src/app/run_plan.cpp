@@ -33,7 +33,9 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
       links(readLinkLaw(options, units, kinds, linked() || options.helpWanted())),
       walls(readWalls(options, units, kinds)),
       boundaries(options, units, kinds, restDistance(0, 0)),
-      observers(makeObservers(options, {settings, units, boundaries, kinds, pairs, walls})) {
+      boxDrive(options, units),
+      observers(
+          makeObservers(options, {settings, units, boundaries, kinds, pairs, walls, boxDrive})) {
   readBox(options);
   options.refuseUnknown();
   if (options.helpWanted()) return;
@@ -70,6 +72,8 @@ void RunPlan::refuseContradictions() const {
     throw InputError(
         "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance, -relax_force or "
         "-tension_rate");
+  if (boxDrive && boundaries.tension())
+    throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   if (minimises()) {
     const std::string method = "-relax_method " + settings.stepper->name;
     if (boundaries.tension())
@@ -81,6 +85,7 @@ void RunPlan::refuseContradictions() const {
     for (const Wall& w : walls)
       if (norm(w.velocity) > 0 || w.spin != 0 || w.driven() || w.friction)
         throw InputError(method + ": the wall " + w.name + " must stand still, without friction");
+    if (boxDrive) throw InputError(method + ": the box must be held, without -deform_x, _y, _z");
     if (pairs.rubs())
       throw InputError(method +
                        ": it has no friction; leave out -contact_friction and "

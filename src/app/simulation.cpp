@@ -8,6 +8,7 @@
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/log.hpp"
+#include "nanoweft/record/gage_stress.hpp"
 
 namespace nanoweft {
 
@@ -77,6 +78,8 @@ void Simulation::begin() {
   request.viscous = !parts_->plan->checkpoint;
   note(system_.forces.evaluate(system_.state, system_.domain.halo(), request), true);
   first_ = *energies_;
+  // A restart has the stress of its checkpoint.
+  if (!parts_->plan->checkpoint) measureBox();
   const Moment start = moment();
   for (const auto& observer : observers_) observer->begin(start);
 }
@@ -88,6 +91,8 @@ void Simulation::step() {
     system_.accounts.damped.merge(system_.forces.flow(system_.state));
     // Bonds that broke in the last evaluation; those that break while segments move wait for the
     // next time, since not all ranks know of them yet.
+    parts_->plan->boxDrive.strain(system_.state, system_.forces, system_.state.time,
+                                  parts_->stepper->dt(), system_.accounts.external);
     system_.forces.walls().move(system_.state.comm(), system_.state.time, parts_->stepper->dt(),
                                 system_.accounts.external);
     if (system_.state.extras().ends && system_.forces.breakage()) system_.state.noteFreeEnds();
@@ -104,14 +109,30 @@ void Simulation::step() {
       system_.forces.evaluate(system_.state, system_.domain.halo(), request);
   {
     const LogScope log(kickEvent_);
-    parts_->stepper->finish(system_, view != View::positions);
+    // A box that is strained takes the velocities along, so they must be whole.
+    parts_->stepper->finish(system_, view != View::positions || drivesBox());
   }
+  if (view == View::energies) measureBox();
   if (breaks_.release(system_.state, system_.forces, system_.domain))
     system_.forces.lists().outdate();
   const LogScope log(recordEvent_);
   note(outcome, request.energies);
   const Moment end = moment();
   for (const auto& observer : observers_) observer->observe(end);
+}
+
+bool Simulation::drivesBox() const {
+  return static_cast<bool>(parts_->plan->boxDrive);
+}
+
+void Simulation::measureBox() {
+  BoxDrive& drive = parts_->plan->boxDrive;
+  const State& state = system_.state;
+  if (!drive || state.step % drive.interval() != 0) return;
+  drive.note(state, system_.forces,
+             boxStress(state, system_.domain, system_.forces, drive.volume(state.box),
+                       parts_->plan->units),
+             system_.accounts.external);
 }
 
 void Simulation::agreeAndPrepare(const DriftReport& drift) {

@@ -60,7 +60,11 @@ std::vector<PetscInt> cut(const std::vector<double>& histogram, int parts) {
 CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
                    const std::array<double, 3>& upper, double range,
                    const std::vector<double>& work)
-    : CellLattice(lower, state.box.periodic), range_(range), upper_(upper) {
+    : CellLattice(lower, state.box.periodic),
+      range_(range),
+      upper_(upper),
+      from_(lower),
+      to_(upper) {
   std::array<double, 3> length;
   for (int d = 0; d < 3; ++d) length[d] = std::max(upper[d] - lower[d], range);
   choose(length, range, static_cast<double>(state.total()));
@@ -95,6 +99,8 @@ CellGrid::~CellGrid() {
 
 bool CellGrid::covers(const std::array<double, 3>& lower,
                       const std::array<double, 3>& upper) const {
+  for (std::size_t d = 0; d < 3; ++d)
+    if (periodic_[d] && (lower[d] != from_[d] || upper[d] != to_[d])) return false;
   for (int d = 0; d < 3; ++d)
     if (!periodic_[d] && (lower[d] < lower_[d] - range_ || upper[d] > upper_[d] + range_))
       return false;

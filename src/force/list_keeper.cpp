@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "nanoweft/base/error.hpp"
+
 namespace nanoweft {
 
 ListKeeper::ListKeeper(const Settings& settings, const Box& box)
@@ -35,6 +37,7 @@ void ListKeeper::rebuild(State& state, Domain& domain) {
   if (settings_.pairs) makePairLists(state, domain, cells);
   noteWork(state, domain);
   outdated_ = false;
+  listStretched_ = 0;
   ++rebuilds_;
   rebuildSeconds_ = MPI_Wtime() - begin;
   drawSeconds_ = 0;
@@ -89,6 +92,25 @@ void ListKeeper::listKinds(const State& state) {
   }
 }
 
+void ListKeeper::stretch(const Box& box, const std::array<double, 3>& factor) {
+  nearest_ = MinimumImage(box);
+  double most = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double middle = 0.5 * (box.lower[d] + box.upper[d]);
+    most = std::max(most, std::abs(factor[d] - 1.0));
+    for (std::vector<double>* places : {&reference_, &listed_})
+      for (std::size_t k = d; k < places->size(); k += 3)
+        (*places)[k] = middle + factor[d] * ((*places)[k] - middle);
+    if (box.periodic[d] && !(box.length(static_cast<int>(d)) >= 2.0 * range()))
+      throw RunError(
+          format("the periodic box has become too thin along %c: %g, but two list ranges "
+                 "(cutoff + segment + skin) are %g",
+                 "xyz"[d], box.length(static_cast<int>(d)), 2.0 * range()));
+  }
+  stretched_ += most * range();
+  listStretched_ += most * range();
+}
+
 bool ListKeeper::redraw(const State& state) {
   // A pair that the list lacks was farther apart than reach + skin when the list was made.
   double farthest2 = 0;
@@ -100,7 +122,7 @@ bool ListKeeper::redraw(const State& state) {
   MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
   tuneMargin(state);
   // If less of the skin is left than the margin, the list still serves for a thinner margin.
-  const double left = skin_ - 2.0 * std::sqrt(farthest2);
+  const double left = skin_ - 2.0 * std::sqrt(farthest2) - 2.0 * listStretched_;
   if (!(left >= 0.5 * margin_)) return false;
   margin_ = std::min(margin_, left);
   startDrawing(state);
@@ -119,6 +141,7 @@ void ListKeeper::noteEvaluation(double drawing) {
 
 void ListKeeper::startDrawing(const State& state) {
   draw_ = true;
+  stretched_ = 0;
   drawStep_ = state.step;
 }
 

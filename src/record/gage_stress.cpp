@@ -83,13 +83,13 @@ void addVirial(const State& state, const Domain& domain, const ForceField& force
     if (const double part = gage.part(along(i), along(j)); part > 0)
       sum(carriers.links()).add(part, link.separation, link.force.force);
   }
-  forEachPair(
-      state, forces, thread, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
-        if (p.i < share.begin || p.i >= share.end) return;
-        if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
-          sum(carriers.ofPair(state.kind(p.i), state.kind(p.j)))
-              .add(part, d, resolved(state, force, p, d).force);
-      });
+  forEachPair(state, forces, thread,
+              [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
+                if (p.i < share.begin || p.i >= share.end) return;
+                if (const double part = gage.part(along(p.i), along(p.j)); part > 0)
+                  sum(carriers.ofPair(state.kind(p.i), state.kind(p.j)))
+                      .add(part, d, resolved(state, force, p, d).force);
+              });
 }
 
 /// The virial by carriers, of all ranks; and the numbers that make stresses of it.
@@ -98,14 +98,13 @@ struct Virial {
   double volume;
 };
 
-Virial virialOf(const State& state, const Domain& domain, const ForceField& forces,
-                const Tension& tension) {
-  const Gage gage = findGage(state, tension.axis, forces.kinds().longest());
+Virial virialIn(const State& state, const Domain& domain, const ForceField& forces,
+                const Gage& gage, double volume) {
   const std::size_t threads = forces.shares().size();
   const std::vector<DyadSum> zero(
       static_cast<std::size_t>(Carriers{forces.kinds().count()}.count()),
       DyadSum{forces.energyUnit(), {}});
-  Virial total{zero, (gage.upper - gage.lower) * tension.width * tension.thickness};
+  Virial total{zero, volume};
 #pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(threads))
   for (std::size_t t = 0; t < threads; ++t) {
     std::vector<DyadSum> own = zero;
@@ -117,19 +116,38 @@ Virial virialOf(const State& state, const Domain& domain, const ForceField& forc
   return total;
 }
 
-}  // namespace
+Virial virialOf(const State& state, const Domain& domain, const ForceField& forces,
+                const Tension& tension) {
+  const Gage gage = findGage(state, tension.axis, forces.kinds().longest());
+  return virialIn(state, domain, forces, gage,
+                  (gage.upper - gage.lower) * tension.width * tension.thickness);
+}
 
-std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
-                                 const Tension& tension, const UnitSystem& units) {
-  const Virial virial = virialOf(state, domain, forces, tension);
+/// The stress of all carriers together. Collective.
+std::array<double, 6> sumOf(const Virial& virial, const ForceField& forces, const UnitSystem& units,
+                            MPI_Comm comm) {
   DyadSum total{forces.energyUnit(), {}};
   for (const DyadSum& own : virial.sums)
     for (std::size_t k = 0; k < 6; ++k) total.sum[k].merge(own.sum[k]);
-  ExactSum::reduce(total.sum, 6, state.comm());
+  ExactSum::reduce(total.sum, 6, comm);
   std::array<double, 6> stress;
   for (std::size_t k = 0; k < 6; ++k)
     stress[k] = total.sum[k].value(total.unit) / (virial.volume * units.gigapascal);
   return stress;
+}
+
+}  // namespace
+
+std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
+                                 const Tension& tension, const UnitSystem& units) {
+  return sumOf(virialOf(state, domain, forces, tension), forces, units, state.comm());
+}
+
+std::array<double, 6> boxStress(const State& state, const Domain& domain, const ForceField& forces,
+                                double volume, const UnitSystem& units) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Gage everything{0, -infinity, infinity};
+  return sumOf(virialIn(state, domain, forces, everything, volume), forces, units, state.comm());
 }
 
 std::vector<double> carriedStress(const State& state, const Domain& domain,

@@ -8,7 +8,10 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/force/pair_forces.hpp"
+#include "nanoweft/force/wall.hpp"
 #include "nanoweft/motion/boundary.hpp"
+#include "nanoweft/motion/box_drive.hpp"
 #include "nanoweft/record/observer.hpp"
 
 namespace nanoweft {
@@ -21,6 +24,7 @@ struct ObserverContext {
   const Kinds& kinds;
   const PairForces& pairs;
   const Walls& walls;
+  BoxDrive& boxDrive;
 };
 
 using Observers = std::vector<std::unique_ptr<Observer>>;

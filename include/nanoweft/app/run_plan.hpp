@@ -12,7 +12,9 @@
 #include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/fibre/link_law.hpp"
 #include "nanoweft/force/pair_forces.hpp"
+#include "nanoweft/force/wall.hpp"
 #include "nanoweft/motion/boundary.hpp"
+#include "nanoweft/motion/box_drive.hpp"
 #include "nanoweft/scene/scene.hpp"
 #include "nanoweft/state/state_file.hpp"
 
@@ -53,6 +55,7 @@ struct RunPlan {
   LinkLaw links;
   Walls walls;
   Boundaries boundaries;
+  BoxDrive boxDrive;
   Observers observers;
   Box box;
   Provenance provenance;

@@ -34,6 +34,9 @@ class Simulation : private RunBook {
   void begin();
   void step();
   /// Ranks tell each other what they have noticed or wish, then make the lists anew if needed.
+  bool drivesBox() const;
+  /// Where it is due, measures the stress for a box that is driven.
+  void measureBox();
   void agreeAndPrepare(const DriftReport& drift);
   View widestView();
   /// Takes up the outcome of an evaluation; `energies`: the outcome has them.

@@ -36,6 +36,7 @@ class CellGrid : public CellLattice {
   DM dm_ = nullptr;
   double range_;
   std::array<double, 3> upper_;
+  std::array<double, 3> from_, to_;  ///< what it was laid over
   std::array<int, 3> parts_;
   std::array<std::vector<PetscInt>, 3> ends_;  // end of each part's cells, by direction
 };

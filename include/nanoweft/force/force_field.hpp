@@ -70,6 +70,11 @@ class ForceField {
   WallForces& walls() { return walls_; }
   const WallForces& walls() const { return walls_; }
   const SumUnit& energyUnit() const { return energyUnit_; }
+  /// The box has been strained by these factors, with all segments in it.
+  void stretch(const Box& box, const std::array<double, 3>& factor) {
+    nearest_ = MinimumImage(box);
+    lists_.stretch(box, factor);
+  }
   /// Lets bonds flow plastically, and returns the elastic energy that this rank's bonds lost. To be
   /// called after an evaluation, before segments move.
   ExactSum flow(State& state) const;

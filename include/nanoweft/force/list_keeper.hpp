@@ -7,6 +7,7 @@
 /// depends on them.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "nanoweft/domain/domain.hpp"
@@ -42,9 +43,13 @@ class ListKeeper {
   /// all ranks, if the list may lack a pair: then the caller has to rebuild it. Collective.
   bool redraw(const State& state);
 
+  /// The box has been strained by these factors, with all segments in it. Motion counts from there.
+  void stretch(const Box& box, const std::array<double, 3>& factor);
+
   /// Has the segment, now at `x`, moved so far that a pair might be missing from the drawn ones?
   bool moved(const double* x, int i) const {
-    return !(squaredWay(x, reference_, i) <= 0.25 * margin_ * margin_);
+    const double left = margin_ - 2.0 * stretched_;
+    return !(left >= 0 && squaredWay(x, reference_, i) <= 0.25 * left * left);
   }
   bool tracksMotion() const { return static_cast<bool>(settings_.pairs); }
 
@@ -85,6 +90,9 @@ class ListKeeper {
   double skin_, skinLimit_;  ///< of the pair list
   double margin_;            ///< of the drawn pairs
   bool outdated_ = false;
+  /// By how much a box that is strained may have moved two listed segments apart or together, since
+  /// the drawing and since the rebuild; half of it a segment.
+  double stretched_ = 0, listStretched_ = 0;
   bool draw_ = false;  ///< the next evaluation draws its pairs anew
   std::vector<PairList> pairs_;
   BondList bonds_;

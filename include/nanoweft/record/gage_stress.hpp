@@ -42,6 +42,11 @@ namespace nanoweft {
 std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
                                  const Tension& tension, const UnitSystem& units);
 
+/// The same tensor of all bonds, pairs, links and segments of a periodic box, over a volume.
+/// Collective.
+std::array<double, 6> boxStress(const State& state, const Domain& domain, const ForceField& forces,
+                                double volume, const UnitSystem& units);
+
 /// The part of each carrier (carriers.hpp) in the axial component of that stress, GPa. Collective.
 std::vector<double> carriedStress(const State& state, const Domain& domain,
                                   const ForceField& forces, const Tension& tension,

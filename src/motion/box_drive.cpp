@@ -1,0 +1,151 @@
+#include "nanoweft/motion/box_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+constexpr const char* names[3] = {"x", "y", "z"};
+
+}  // namespace
+
+BoxDrive::BoxDrive(Options& options, const UnitSystem& units) : unit_(units.gigapascal) {
+  OptionSection s(options, "Periodic box");
+  const std::string perTime = std::string("1/") + units.time;
+  bool driven = false;
+  for (std::size_t d = 0; d < 3; ++d) {
+    Axis& axis = axes_[d];
+    const std::string name = std::string("deform_") + names[d];
+    const std::string mode =
+        s.choice(name, "held", {"held", "rate", "stress", "free"},
+                 "what happens to the box along this axis; free: as stress with 0");
+    axis.mode = mode == "held" ? held : mode == "rate" ? rate : stress;
+    active_ = active_ || axis.mode != held;
+    driven = driven || axis.mode == stress;
+    OptionSection ofRate(options, "Periodic box", axis.mode == rate, "-" + name + " is " + mode);
+    axis.rate = ofRate.real(name + "_rate", 0.0, perTime.c_str(), "its rate of strain");
+    axis.until = ofRate.real(name + "_until", 0.0, "", "strain at which it stops; 0: it does not");
+    if (axis.mode == rate && axis.rate == 0)
+      throw InputError("-" + name + " rate: give -" + name + "_rate");
+    if (axis.until != 0 && (axis.until > 0) != (axis.rate > 0))
+      throw InputError(format("-%s_until %g: the rate %g leads away from it", name.c_str(),
+                              axis.until, axis.rate));
+    if (axis.until <= -1)
+      throw InputError(format("-%s_until %g: must be above -1", name.c_str(), axis.until));
+    OptionSection ofStress(options, "Periodic box", mode == "stress", "-" + name + " is " + mode);
+    axis.target = ofStress.real(name + "_stress", 0.0, "GPa", "the stress to which it is driven");
+  }
+  OptionSection any(options, "Periodic box", active_, "no -deform_x, _y or _z");
+  interval_ =
+      any.integer("deform_interval", 20, "steps between measurements of the stress", 1, 1000000);
+  ramp_ = any.real("deform_ramp", 0.0, units.time, "rates of strain grow linearly for this long",
+                   nonNegative);
+  thickness_ = any.real("deform_thickness", 0.0, units.length,
+                        "of a sheet, for stresses; 0: that of the box", nonNegative);
+  OptionSection servo(options, "Periodic box", driven, "no direction is driven to a stress");
+  modulus_ = servo.real("deform_modulus", 10.0, "GPa",
+                        "the servo strains by the missing stress over this", positive);
+  relaxes_ = servo.real("deform_time", 2000.0, units.time, "in this time", positive);
+  most_ =
+      servo.real("deform_most_rate", 1e-5, perTime.c_str(), "but no faster than this", positive);
+}
+
+void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
+  if (!active_) return;
+  int open = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (!box.periodic[d]) ++open;
+    if (!box.periodic[d] && axes_[d].mode != held)
+      throw InputError(
+          format("-deform_%s: the box is open along %s (-domain_periodic)", names[d], names[d]));
+    start_[d] = box.length(static_cast<int>(d));
+  }
+  if (thickness_ > 0 && open != 1)
+    throw InputError(
+        "-deform_thickness: it is that of a sheet, whose box is open in one direction");
+  if (!restart) return;
+  const auto& numbers = record.needReals("deform", 12);
+  for (std::size_t d = 0; d < 3; ++d) {
+    start_[d] = numbers[d];
+    stress_[d] = numbers[3 + d];
+    since_[d] = numbers[6 + d];
+    if (axes_[d].mode == stress) axes_[d].rate = numbers[9 + d];
+  }
+}
+
+void BoxDrive::save(RunRecord& record) const {
+  if (!active_) return;
+  auto& numbers = record.reals["deform"];
+  for (const auto* part : {&start_, &stress_, &since_})
+    numbers.insert(numbers.end(), part->begin(), part->end());
+  for (const Axis& axis : axes_) numbers.push_back(axis.mode == stress ? axis.rate : 0.0);
+}
+
+std::array<double, 3> BoxDrive::strains(const Box& box) const {
+  std::array<double, 3> strains;
+  for (std::size_t d = 0; d < 3; ++d)
+    strains[d] = box.length(static_cast<int>(d)) / start_[d] - 1.0;
+  return strains;
+}
+
+double BoxDrive::volume(const Box& box) const {
+  double volume = 1;
+  for (int d = 0; d < 3; ++d)
+    volume *=
+        thickness_ > 0 && !box.periodic[static_cast<std::size_t>(d)] ? thickness_ : box.length(d);
+  return volume;
+}
+
+void BoxDrive::strain(State& state, ForceField& forces, double time, double dt,
+                      ExactSum& external) {
+  if (!active_) return;
+  const double grown = ramp_ > 0 && time < ramp_ ? time / ramp_ : 1.0, before = volume(state.box);
+  std::array<double, 3> factor{1, 1, 1};
+  double work = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const Axis& axis = axes_[d];
+    const double rate = axis.mode == BoxDrive::rate ? grown * axis.rate : axis.rate;
+    if (axis.mode == held || rate == 0) continue;
+    const double length = state.box.length(static_cast<int>(d));
+    double next = length + dt * rate * start_[d];
+    if (const double end = (1.0 + axis.until) * start_[d];
+        axis.until != 0 && (axis.rate > 0 ? next > end : next < end))
+      next = end;
+    factor[d] = next / length;
+    const double middle = 0.5 * (state.box.lower[d] + state.box.upper[d]);
+    state.box.lower[d] = middle - 0.5 * next;
+    state.box.upper[d] = middle + 0.5 * next;
+    work += before * unit_ * stress_[d] * std::log(factor[d]);
+    since_[d] += std::log(factor[d]);
+    for (int i = 0; i < state.owned(); ++i) {
+      double& x = state.pose[8 * static_cast<std::size_t>(i) + d];
+      x = middle + factor[d] * (x - middle);
+      state.velocity[3 * static_cast<std::size_t>(i) + d] /= factor[d];
+    }
+  }
+  if (factor == std::array<double, 3>{1, 1, 1}) return;
+  for (int i = 0; i < state.owned(); ++i) state.box.wrap(state.pose + 8 * i, state.image + 3 * i);
+  forces.stretch(state.box, factor);
+  if (state.rank() == 0) external.add(work, forces.energyUnit());
+}
+
+void BoxDrive::note(const State& state, const ForceField& forces,
+                    const std::array<double, 6>& stress, ExactSum& external) {
+  // Steps have booked the stress at the last measurement; the mean of both is right to second
+  // order.
+  double work = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    work += 0.5 * volume(state.box) * unit_ * (stress[d] - stress_[d]) * since_[d];
+    stress_[d] = stress[d];
+    since_[d] = 0;
+    if (Axis& axis = axes_[d]; axis.mode == BoxDrive::stress)
+      axis.rate = std::clamp((axis.target - stress[d]) / (modulus_ * relaxes_), -most_, most_);
+  }
+  if (state.rank() == 0) external.add(work, forces.energyUnit());
+}
+
+}  // namespace nanoweft

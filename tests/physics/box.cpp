@@ -1,0 +1,113 @@
+/// The periodic box as a testing machine (model.md 21).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/expect.hpp"
+#include "support/formulas.hpp"
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+namespace nanoweft::test {
+namespace {
+
+using tube::gigapascal;
+constexpr double T = tube::length;
+
+/// A fibre of 40 segments through a box 200 x 200 wide, closed on itself.
+const std::string through =
+    "-scene fibre -fibre_segments 40 -fibre_closed -domain_lower 0,-100,-100 -domain_upper "
+    "542.4,100,100 -domain_periodic 1,0,0 -pair none -ts_dt 20 -progress_interval 0 "
+    "-box_monitor ascii:box.csv -energy_monitor ascii:energy.csv -monitor_interval 20 ";
+constexpr double section = 200 * 200;
+
+TEST(Box, AFibreThatIsStrainedWithItFeelsHookesStress) {
+  const Folder folder;
+  const auto outcome = run(folder,
+                           through +
+                               "-deform_x rate -deform_x_rate 1e-6 -deform_x_until 0.005 "
+                               "-ts_max_steps 400",
+                           2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto box = readCsv(folder / "box.csv"), energy = readCsv(folder / "energy.csv");
+  for (std::size_t k = 0; k < box.at("step").size(); ++k) {
+    const double strain = std::min(0.005, 1e-6 * 20 * box.at("step")[k]);
+    EXPECT_NEAR(box.at("strain_x")[k], strain, 1e-12);
+    EXPECT_NEAR(box.at("xx_GPa")[k], tube::ES * strain / section / gigapascal, 1e-12);
+    const double expected = 0.5 * tube::ES * strain * strain * 40 * T;
+    EXPECT_NEAR(energy.at("total")[k], expected, 1e-8);
+    // The work is that of the stress, of second order in the interval of its measurement.
+    EXPECT_NEAR(energy.at("external")[k], expected, 1e-4 * (0.2 + expected));
+  }
+}
+
+TEST(Box, TheServoBringsItToItsStress) {
+  const Folder folder;
+  const auto outcome =
+      run(folder, through +
+                      "-deform_x stress -deform_x_stress 0.004 -deform_modulus 0.9178 "
+                      "-deform_time 1000 -ts_max_steps 800");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto box = readCsv(folder / "box.csv");
+  EXPECT_NEAR(box.at("xx_GPa").back(), 0.004, 1e-6);
+  EXPECT_NEAR(box.at("strain_x").back(), 0.004 * section * gigapascal / tube::ES, 1e-5);
+}
+
+TEST(Box, ATriangularLatticeOfSpringsHasItsElasticConstants) {
+  // Single segments as nodes, springs of the constant k between neighbours: lambda = mu =
+  // sqrt(3)/4 k over the thickness.
+  const int nx = 8, ny = 8;
+  const double a = 60, rise = a * std::sqrt(0.75), k = 2.0, thickness = 10, strain = 1e-4;
+  std::vector<FibreInput> nodes;
+  std::vector<LinkEnds> links;
+  auto node = [&](int i, int j) { return (j % ny) * nx + (i % nx + nx) % nx; };
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      nodes.push_back(
+          straightFibre({(i + 0.5 * (j % 2) + 0.1) * a, (j + 0.1) * rise, 0}, {1, 0, 0}, 1));
+      const int odd = j % 2;
+      for (const int other : {node(i + 1, j), node(i + odd, j + 1), node(i + odd - 1, j + 1)})
+        links.push_back({node(i, j), 0, other, 0});
+    }
+  for (const char* axis : {"x", "y"}) {
+    const Folder folder;
+    writeState(folder / "in.h5", nodes,
+               {{0, 0, -50}, {nx * a, ny * rise, 50}, {true, true, false}});
+    setLinks(folder / "in.h5", links);
+    const std::string mode = std::string("-deform_") + axis;
+    const auto outcome =
+        run(folder,
+            "-scene file -scene_file in.h5 -pair none -link_law spring -link_stretch " +
+                std::to_string(k) + " " + mode + " rate " + mode + "_rate 1e-6 " + mode +
+                "_until " + std::to_string(strain) +
+                " -deform_thickness 10 -ts_dt 10 -ts_max_steps 40 -progress_interval 0 "
+                "-box_monitor ascii:box.csv -monitor_interval 40",
+            2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto box = readCsv(folder / "box.csv");
+    const double lame = std::sqrt(3) / 4 * k / thickness / gigapascal;
+    const bool x = axis[0] == 'x';
+    EXPECT_NEAR(box.at(x ? "xx_GPa" : "yy_GPa").back() / (3 * lame * strain), 1.0, 1e-3);
+    EXPECT_NEAR(box.at(x ? "yy_GPa" : "xx_GPa").back() / (lame * strain), 1.0, 1e-3);
+    EXPECT_NEAR(box.at("xy_GPa").back(), 0.0, 1e-4 * lame * strain);
+  }
+}
+
+TEST(Box, WhatCannotBeMeantIsRefused) {
+  const Folder folder;
+  const std::string weave = "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 ";
+  const struct {
+    std::string options;
+    std::vector<std::string> says;
+  } cases[] = {{"-deform_x rate -deform_x_rate 1e-6", {"-deform_x", "open"}},
+               {"-weave_periodic -deform_x rate", {"-deform_x_rate"}},
+               {"-weave_periodic -deform_x_rate 1e-6", {"-deform_x_rate", "held"}},
+               {"-weave_periodic -deform_x rate -deform_x_rate 1e-6 -deform_x_until -0.1",
+                {"-deform_x_until"}},
+               {"-weave_periodic -deform_x free -deform_x_stress 1", {"-deform_x_stress"}},
+               {"-weave_periodic -deform_x free -relax_method fire", {"-deform_x"}}};
+  for (const auto& c : cases) expectRefused(runAlone(folder, weave + c.options), c.says);
+}
+
+}  // namespace
+}  // namespace nanoweft::test
