@@ -4,21 +4,12 @@ import math
 import numpy as np
 
 from .. import states
+from ..beams import TUBE, Ladder
 from .bending import ends, straight
-from .common import TUBE, Row, new_folder, relative, simulate, write_state
+from .common import Row, new_folder, relative, simulate, write_state
 
 T = TUBE.T
 LINKS, KINKS = "links", "kinks"
-
-
-def shear_lag(length, apart, slip, force):
-    """Deflection at the tip of a cantilever of two equal beams, `apart` from each other, that
-    resist with `slip` per length when they slip: N'' = a^2 N - slip d M/(2 EJ),
-    N'(0) = N(L) = 0."""
-    a2 = slip * (2 / TUBE.ES + apart**2 / (2 * TUBE.EJ))
-    a, share = math.sqrt(a2), slip * apart / (2 * TUBE.EJ * a2)
-    normal = share * force / a * (math.tanh(a * length) / a2 - length / a)
-    return (force * (1 - share * apart) * length**3 / 3 - apart * normal) / (2 * TUBE.EJ)
 
 
 def deflection(name, rung, force, segments, apart):
@@ -43,7 +34,7 @@ def ladder():
         # The rung at the tip stands for half as much length as the others.
         rows.append(relative(
             LINKS, f"ladder of two fibres, rungs with B2 = {rung:g} eV: deflection, A",
-            shear_lag(length, apart, rung / apart**2 / T, force),
+            Ladder(length, apart, rung, force).shear_lag(1 / T),
             deflection(f"link_ladder_{rung:g}", rung, force, segments, apart), 0.5 / (segments - 1),
             "half a rung in 40 at the tip"))
     return rows
