@@ -111,10 +111,10 @@ class Kink:
     residual: float = 0.0
 
     def moment(self, angle: ArrayLike, tube: Tube = TUBE) -> Array:
-        """Of a bond bent by so many radians, eV."""
+        """Of a bond bent by so many radians to an arc, eV; model.md 3 and 12."""
         half = 0.5 * np.asarray(angle)
         theta, critical = 2 * np.sin(half), 2 * math.sin(0.5 * self.curvature * tube.T)
         width, over = 0.1 * critical, np.maximum(theta - critical, 0)
         less = np.where(over < width, over**2 / width, 2 * over - width)
-        return np.asarray(tube.EJ / tube.T * np.cos(half)
-                          * (theta - 0.5 * (1 - self.residual) * less))
+        bending = tube.EJ / tube.T * (theta - 0.5 * (1 - self.residual) * less) * np.cos(half)
+        return np.asarray(bending + tube.B2 / 2 * (1 - np.cos(half)) * np.sin(half))
