@@ -147,6 +147,12 @@ TEST(Kinds, AKindWithoutPairLawHasNoForcesWithAnother) {
   EXPECT_FALSE(read.pairs.between(1, 1));
 }
 
+TEST(Kinds, PointsOfAKindMayBeGivenWhereOneOfItsPairsHasNoLaw) {
+  const Read read = readAll("-kinds a,b -b_b_pair none -a_pair_points 7");
+  EXPECT_TRUE(read.pairs.between(0, 0));
+  EXPECT_FALSE(read.pairs.between(0, 1));
+}
+
 TEST(Kinds, TheFirstSegmentIsThatOfTheLongerKind) {
   const Read read = readAll(three);
   for (const auto& c : read.pairs.classes())
@@ -192,6 +198,8 @@ TEST(Kinds, WhatCannotBeMeantIsRefusedWithTheRemedy) {
       {"-kinds a,b -a_b_vdw_beta 12", "-a_b_vdw_beta 12: must be below -a_b_vdw_alpha"},
       {"-kinds a,b -b_b_vdw_alpha 9", "kinds a and b have different exponents"},
       {"-kinds a,b -hertz_stiffness 9", "-hertz_stiffness is not used by this run"},
+      {"-kinds a,b -b_b_pair none -b_pair_points 7",
+       "-b_pair_points is not used by this run: -pair is none"},
       {"-kinds a,b -b_fibre_young x", "-b_fibre_young"},
       {"-pair_cutoff 50 -pair_gap_cutoff 40", "give one of the two"},
   };
