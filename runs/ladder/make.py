@@ -22,4 +22,5 @@ group[0] |= 8
 state.rows["group"] = group.ravel()
 states.write(sys.argv[1], state)
 states.link(sys.argv[1], [[[2 * k, rung], [2 * k + 1, rung]]
-                          for k, every in enumerate(EVERY) for rung in range(every, SEGMENTS, every)])
+                          for k, every in enumerate(EVERY)
+                          for rung in range(every, SEGMENTS, every)])

@@ -1,4 +1,4 @@
-"""Closed forms of beam theory for fibres: springs, ladders, kinks; rigidities of the (10,10) tube."""
+"""Closed forms of beam theory: springs, ladders, kinks; the (10,10) tube's rigidities."""
 
 from __future__ import annotations
 
@@ -77,7 +77,8 @@ class Spring:
 @dataclass(frozen=True)
 class Ladder:
     """Two equal beams clamped at x = 0, tied by rungs that are turned with them; bent by a force
-    at their tips, eV/A. A rung turned by theta whose ends slip by s holds rung/2 (theta - s/apart)^2."""
+    at their tips, eV/A. A rung turned by theta whose ends slip by s holds
+    rung/2 (theta - s/apart)^2."""
     length: float
     apart: float
     rung: float

@@ -26,7 +26,8 @@ def draw(file: str, axes: tuple[str, str], curves: list[Curve], **look: Any) -> 
         figure, panel = plt.subplots(figsize=(6, 3.6), layout="constrained")
         for curve, colour in zip(curves, CYCLE):
             panel.plot(*curve.line, color=colour, label=f"{curve.label}, closed form")
-            panel.plot(*curve.dots, "o", color=colour, markersize=4, label=f"{curve.label}, measured")
+            panel.plot(*curve.dots, "o", color=colour, markersize=4,
+                       label=f"{curve.label}, measured")
         panel.set(xlabel=axes[0], ylabel=axes[1], **look)
         panel.legend()
         figure.savefig(file)

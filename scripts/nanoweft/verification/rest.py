@@ -1,4 +1,4 @@
-"""Fibres that are at rest in another shape than straight: a ring pinched, a helical spring pulled."""
+"""Fibres that are not straight at rest: a ring pinched, a helical spring pulled."""
 import math
 
 import numpy as np
@@ -33,8 +33,8 @@ def shrinkage(n):
     folder = new_folder(f"rest_ring_{n}")
     write_state(folder / "in.h5", [(x, q)], groups, closed=True)
     simulate(folder.name, "-scene file -scene_file {dir}/in.h5 " + FIRE
-             + f"-fibre_rest_curvature 0,{1 / R!r} -relax_force {1e-6 * force!r} -bc a,b -a_group 0 "
-             f"-b_group 1 -a_force {-force!r},0,0 -b_force {force!r},0,0 "
+             + f"-fibre_rest_curvature 0,{1 / R!r} -relax_force {1e-6 * force!r} -bc a,b "
+             f"-a_group 0 -b_group 1 -a_force {-force!r},0,0 -b_force {force!r},0,0 "
              "-energy_monitor ascii:{dir}/energy.csv")
     now = states.read(folder / "out.h5")["position"]
     shrunk = 2 * radius - np.linalg.norm(now[0] - now[n // 2])
