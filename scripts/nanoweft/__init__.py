@@ -5,6 +5,7 @@ kinds        kinds of segments: names, radii
 tables       CSV tables, with or without lines of provenance
 options      option files and options as words of a command
 runs         runs of the program with the environment of scripts/environment
+beams        closed forms of springs, ladders, kinks
 generators   fibres laid in space, to write as states
 rotations    quaternions and matrices of many segments
 units        times, lengths and energies as people write them

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import rotations, states
+from .beams import Spring
 
 Array = NDArray[Any]
 File = str | os.PathLike[str]
@@ -117,6 +118,19 @@ def free_mode(file: File, T: float, length: float, amplitude: float) -> File:
     states.write(file, states.of_fibres([(position, orientation)], [-300, -300, -300],
                                         [length + 300, 300, 300]))
     return file
+
+
+def coil(spring: Spring, segments: int) -> states.Fibre:
+    """The spring at rest, from one whole turn to the next: starts at the origin, x and upwards."""
+    T = spring.wire / (segments - 1)
+    bond = np.array([spring.twist, 0, spring.curvature]) * T
+    angle = float(np.linalg.norm(bond))
+    whole, half = (rotations.rotation_about(bond, [part * angle])[0] for part in (1.0, 0.5))
+    q = [rotations.rotation_about((0, -1, 0), [math.atan2(spring.slope, spring.radius)])[0]]
+    while len(q) < segments:
+        q.append(rotations.multiply(q[-1], whole))
+    chords = rotations.matrices(rotations.multiply(np.array(q[:-1]), half))[:, :, 0]
+    return np.concatenate([np.zeros((1, 3)), np.cumsum(T * chords, axis=0)]), np.array(q)
 
 
 def bisect(low: float, high: float, f: Callable[[float], Any]) -> float:

@@ -366,10 +366,9 @@ std::optional<T> OptionSection::read(const Question& question, const std::option
   const Question q{name, question.shown, question.unit, question.help};
   const auto own = ownText(q.name);
   const auto old = role_ != Role::run ? options_.recorded(q.name) : std::nullopt;
-  const bool forAll = !prefix_.empty() && name == question.name;
   if (active_ && (own || old)) options_.used_.insert(name);
-  if (!active_ && forAll && (own || old)) {
-    // Other kinds may use it; `refuseUnknown` looks when all have been read.
+  if (!active_ && !prefix_.empty() && (own || old)) {
+    // Other kinds, or this one with others, may use it; `refuseUnknown` looks when all are read.
     options_.leftOut_[name] = reason_;
     return fallback;
   }

@@ -147,6 +147,12 @@ TEST(Kinds, AKindWithoutPairLawHasNoForcesWithAnother) {
   EXPECT_FALSE(read.pairs.between(1, 1));
 }
 
+TEST(Kinds, PointsOfAKindMayBeGivenWhereOneOfItsPairsHasNoLaw) {
+  const Read read = readAll("-kinds a,b -b_b_pair none -a_pair_points 7");
+  EXPECT_TRUE(read.pairs.between(0, 0));
+  EXPECT_FALSE(read.pairs.between(0, 1));
+}
+
 TEST(Kinds, TheFirstSegmentIsThatOfTheLongerKind) {
   const Read read = readAll(three);
   for (const auto& c : read.pairs.classes())
@@ -182,8 +188,8 @@ TEST(Kinds, WhatCannotBeMeantIsRefusedWithTheRemedy) {
       {"-kinds a,b -b_fibre_radius 9", "kind b: -fibre_radius 9 changes"},
       {"-kinds a,b -c_fibre_radius 9", "unknown option -c_fibre_radius"},
       {"-kinds a,b -b_a_vdw_epsilon 1", "unknown option -b_a_vdw_epsilon"},
-      {"-kinds a,b -b_b_pair hertz", "give -a_b_pair vdw, hertz or none"},
-      {"-kinds a,b -b_fibre_preset amyloid", "give -a_b_pair vdw, hertz or none"},
+      {"-kinds a,b -b_b_pair hertz", "different pair laws: give -a_b_pair"},
+      {"-kinds a,b -b_fibre_preset amyloid", "different pair laws: give -a_b_pair"},
       {"-kinds a,b -pair_cutoff 50", "-pair_gap_cutoff"},
       {"-kinds a,b -a_b_pair_gap_cutoff 20",
        "-a_b_pair_gap_cutoff 20: must lie beyond -a_b_pair_gap"},
@@ -192,6 +198,8 @@ TEST(Kinds, WhatCannotBeMeantIsRefusedWithTheRemedy) {
       {"-kinds a,b -a_b_vdw_beta 12", "-a_b_vdw_beta 12: must be below -a_b_vdw_alpha"},
       {"-kinds a,b -b_b_vdw_alpha 9", "kinds a and b have different exponents"},
       {"-kinds a,b -hertz_stiffness 9", "-hertz_stiffness is not used by this run"},
+      {"-kinds a,b -b_b_pair none -b_pair_points 7",
+       "-b_pair_points is not used by this run: -pair is none"},
       {"-kinds a,b -b_fibre_young x", "-b_fibre_young"},
       {"-pair_cutoff 50 -pair_gap_cutoff 40", "give one of the two"},
   };

@@ -3,10 +3,11 @@ import math
 
 import numpy as np
 
+from ..beams import TUBE
 from ..rotations import matrices
 from . import elastica
 from .common import (
-    CURVES, TUBE, Rest, Row, angles_in_plane, in_plane, order, relative, richardson, settle)
+    CURVES, Rest, Row, angles_in_plane, in_plane, order, relative, richardson, settle)
 
 T, EJ = TUBE.T, TUBE.EJ
 CLAMP = "-pair none -bc root,tip -root_group 0 -root_fix 1,1,1 -root_fix_rotation -tip_group 1 "

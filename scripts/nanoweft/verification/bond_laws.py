@@ -4,9 +4,10 @@ import math
 import numpy as np
 
 from .. import states, tables
+from ..beams import TUBE
 from ..rotations import matrices
 from . import linear
-from .common import TUBE, in_plane, new_folder, relative, simulate, write_state
+from .common import in_plane, new_folder, relative, simulate, write_state
 
 T = TUBE.T
 VISCOUS, PLASTIC = "internal viscosity", "plastic flow"

@@ -3,9 +3,10 @@ import math
 
 import numpy as np
 
+from ..beams import TUBE
 from . import elastica, linear
 from .bending import EXTRAPOLATED, loaded, order_row
-from .common import CURVES, Row, TUBE, relative, richardson
+from .common import CURVES, Row, relative, richardson
 from .vibration import bending_frequency, setup
 
 T, EJ = TUBE.T, TUBE.EJ

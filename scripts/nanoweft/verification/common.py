@@ -1,4 +1,4 @@
-"""The tube, rows of the table, and runs of the program in folders of their own."""
+"""Rows of the table, and runs of the program in folders of their own."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from .. import runs, states
 from ..problems import RunFailed
 from ..rotations import matrices, rotation_about
-from ..units import AMU, GPA
 
 Array = NDArray[Any]
 RESULTS = pathlib.Path(os.environ.get("NANOWEFT_RESULTS", runs.ROOT / "results/verification"))
@@ -42,26 +41,6 @@ class Row:
 def relative(family: str, name: str, expected: float, measured: float, bound: float,
              reason: str) -> Row:
     return Row(family, name, expected, measured, abs(measured / expected - 1), bound, reason)
-
-
-class Tube:
-    """The (10,10) tube of the paper's Table 1; T, E and G may differ."""
-
-    def __init__(self, young: float = 1029.0, shear: float = 459.0, length: float = 13.56) -> None:
-        rf, h = 6.78, 3.35
-        section = 2 * math.pi * h * rf
-        second = math.pi * h * rf * (rf**2 + h**2 / 4)
-        self.radius, self.T = rf, length
-        self.ES, self.EJ = young * GPA * section, young * GPA * second
-        self.GJp = shear * GPA * 2 * second
-        self.m = 2649 * AMU * length / 13.56
-        self.I = self.m * rf**2
-        self.rho = self.m / length
-        self.B1, self.B2, self.B4 = self.ES / length, 12 * self.EJ / length, self.GJp / length
-        self.B3 = -2 * self.EJ / length - self.GJp / (2 * length)
-
-
-TUBE = Tube()
 
 
 def richardson(f: Sequence[float]) -> tuple[float, float]:

@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from .. import tables
-from .common import CURVES, RESULTS, TUBE, Rest, Row, Tube, in_plane, relative, settle
+from ..beams import TUBE, Tube
+from .common import CURVES, RESULTS, Rest, Row, in_plane, relative, settle
 from .tubes import best, energy, law
 
 T, POINTS = TUBE.T, 5

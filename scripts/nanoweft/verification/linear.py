@@ -5,7 +5,7 @@ against its chord and the energy 2 EJ/T (t1^2 + t1 t2 + t2^2) - P (y_j - y_i)^2/
 Nodes have mass m and inertia I. Degrees of freedom: y_0, f_0, y_1, f_1, ..."""
 import numpy as np
 
-from .common import TUBE
+from ..beams import TUBE
 
 
 def matrices(nodes, compression=0.0, tube=TUBE):

@@ -4,12 +4,12 @@ import math
 import numpy as np
 
 from .. import states, tables
+from ..beams import TUBE, Tube
 from ..speed_error.independent import elastica_tip
 from . import elastica
 from .bending import CLAMP, ends, period
 from .common import (
-    CURVES, TUBE, Row, Tube, in_plane, new_folder, order, relative, settle,
-    simulate, write_state)
+    CURVES, Row, in_plane, new_folder, order, relative, settle, simulate, write_state)
 from .tubes import best, continuous
 
 TIMES = (0.5, 1, 2)  # T over 2 rf

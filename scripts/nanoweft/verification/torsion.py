@@ -3,8 +3,9 @@ import math
 
 import numpy as np
 
+from ..beams import TUBE
 from ..rotations import matrices
-from .common import TUBE, Rest, in_plane, relative, settle
+from .common import Rest, in_plane, relative, settle
 from .bending import ends, straight
 
 

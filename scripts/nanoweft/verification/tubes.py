@@ -4,7 +4,8 @@ import math
 import numpy as np
 
 from .. import states, tables
-from .common import CURVES, TUBE, Row, in_plane, new_folder, relative, simulate, write_state
+from ..beams import TUBE
+from .common import CURVES, Row, in_plane, new_folder, relative, simulate, write_state
 
 T, RF = TUBE.T, TUBE.radius
 EPS, A, B, ALPHA, BETA, K = 0.07124, 0.0223, 1.31, 9.5, 4.0, 200.0

@@ -10,11 +10,12 @@ import math
 import numpy as np
 
 from .. import states
+from ..beams import TUBE, Tube
 from ..rotations import matrices, multiply, rotation_about
 from . import evm
 from .bending import order_row
 from .buckling import zero_of_parabola
-from .common import CURVES, TUBE, Row, Tube, new_folder, relative, richardson, simulate, write_state
+from .common import CURVES, Row, new_folder, relative, richardson, simulate, write_state
 
 T, EJ, DT = TUBE.T, TUBE.EJ, 20.0
 TURNS = 2

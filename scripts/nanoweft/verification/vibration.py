@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 from .. import states
+from ..beams import TUBE
 from ..rotations import matrices, rotation_about
 from . import linear
 from .bending import order_row
-from .common import (
-    CURVES, TUBE, Row, in_plane, new_folder, relative, richardson, simulate, write_state)
+from .common import CURVES, Row, in_plane, new_folder, relative, richardson, simulate, write_state
 
 T, DT = TUBE.T, 20.0
 

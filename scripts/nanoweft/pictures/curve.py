@@ -1,0 +1,34 @@
+"""A closed form as a line, and on it what was measured."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import matplotlib
+from numpy.typing import ArrayLike
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+from .style import CYCLE, TABLES  # noqa: E402
+
+
+class Curve(NamedTuple):
+    """x and y of a line (empty: none) and of the dots on it."""
+    label: str
+    line: tuple[ArrayLike, ArrayLike]
+    dots: tuple[ArrayLike, ArrayLike]
+
+
+def draw(file: str, axes: tuple[str, str], curves: list[Curve], **look: Any) -> None:
+    """Writes a picture; `axes`: what stands at x and at y, `look`: more for matplotlib's axes."""
+    with plt.rc_context(TABLES):
+        figure, panel = plt.subplots(figsize=(6, 3.6), layout="constrained")
+        for curve, colour in zip(curves, CYCLE):
+            panel.plot(*curve.line, color=colour, label=f"{curve.label}, closed form")
+            panel.plot(*curve.dots, "o", color=colour, markersize=4,
+                       label=f"{curve.label}, measured")
+        panel.set(xlabel=axes[0], ylabel=axes[1], **look)
+        panel.legend()
+        figure.savefig(file)
+        plt.close(figure)

@@ -1,0 +1,49 @@
+"""The section about kinds, rest shapes, links and kinks, from additions.csv."""
+
+from .additions import LENGTHS, SEGMENTS
+from .page import number, table
+
+TEXT = """
+## Kinds, rest shapes, links and kinks
+
+Made by `{command}` on {machine} in {seconds} s; rows in [additions.csv](additions.csv).
+A step of a weave of 24 x 24 tubes of 120 segments ({segments}), with pair forces and with bonds
+alone: user time, the median of {rounds} ratios of a run with the term to one without it next to
+it in time (`+-`: half their range).
+
+{costs}
+
+The first row repeats the plain run and shows the noise; what is `off` costs nothing beyond it. A
+kink or a rest shape adds to a bond's work, which is a small part of a step with pair forces. Two
+kinds send pairs of unequal fibres through a slower kernel
+([kinds](../../src/manual/kinds.md#mixed-sizes-and-what-they-cost)). There are {links} links
+among {segments} segments.
+
+Errors against closed forms, where the fibre stays and its segments' length T changes:
+
+{errors}
+
+Adhesion: a (10,10) tube cut into segments of T beside one of twice its radius, default points,
+against the integral over both axes. Ring: of 64 diameters, at rest as a ring, between two
+forces, against (pi/4 - 2/pi) F R^3/EJ. Ladder: 40 diameters long with ten rungs, against beams
+that pass forces at the rungs: bonds are exact at their nodes, what is left is the load's size.
+Kink: against M L/EJ. The ring's and the tube's errors fall with the square of T. Half of T
+means twice as many segments and a shorter stable step.
+"""
+
+
+def section(facts, rows):
+    costs = []
+    for r in (r for r in rows if r["kind"] == "cost"):
+        cells = [f"{r[s + '_ns']:.1f} | {r[s + '_ratio']:.3f} +- {r[s + '_spread']:.3f}"
+                 if r[s + "_ratio"] is not None else " | " for s in ("alone", "weave")]
+        costs.append([r["name"], *cells])
+    errors = [r for r in rows if r["kind"] == "error"]
+    found = {(r["name"], r["T"]): r["error"] for r in errors}
+    lines = [[name, *(number(found.get((name, times))) for times in LENGTHS)]
+             for name in dict.fromkeys(r["name"] for r in errors)]
+    return TEXT.format(
+        costs=table(["", "bonds alone: ns a segment-step", "ratio", "with pairs: ns a segment-step",
+                     "ratio"], costs),
+        errors=table(["", *(f"T = {times:g} x 2 rf" for times in LENGTHS)], lines),
+        segments=SEGMENTS, **facts)
