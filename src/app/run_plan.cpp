@@ -1,5 +1,7 @@
 #include "nanoweft/app/run_plan.hpp"
 
+#include <algorithm>
+
 #include "nanoweft/app/provenance.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/locked_file.hpp"
@@ -72,6 +74,10 @@ void RunPlan::refuseContradictions() const {
     throw InputError(
         "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance, -relax_force or "
         "-tension_rate");
+  for (const Wall& w : walls)
+    if (std::ranges::find(boundaries.list(), w.name, &Boundary::name) != boundaries.list().end())
+      throw InputError("-walls " + w.name +
+                       ": a group of -bc has that name, and both have options -" + w.name + "_...");
   if (boxDrive && boundaries.tension())
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   if (minimises()) {

@@ -194,6 +194,27 @@ bool beginsPetscOptions(const std::string& word) {
   return std::ranges::any_of(petscPrefixes, [&](std::string_view p) { return word + "_" == p; });
 }
 
+void checkPrefixes(const char* option, const char* thing, const std::vector<std::string>& names) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    const bool fits = std::isalpha(static_cast<unsigned char>(name[0])) &&
+                      std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c); });
+    if (!fits)
+      throw InputError(
+          format("%s: '%s' cannot name %s; a name is a letter and then letters or digits", option,
+                 name.c_str(), thing));
+    // PETSc tells no capital from a small letter in the names of options.
+    std::string small = name;
+    std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (beginsPetscOptions(small))
+      throw InputError(format("%s: '%s' cannot name %s, since -%s_... are options of PETSc", option,
+                              name.c_str(), thing, small.c_str()));
+    if (!seen.insert(small).second)
+      throw InputError(format("%s: '%s' stands there twice (capitals are small letters here)",
+                              option, name.c_str()));
+  }
+}
+
 Options::Options() {
   PetscBool found;
   petsc(PetscOptionsHasName(nullptr, nullptr, "-help", &found));

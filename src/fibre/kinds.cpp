@@ -1,9 +1,7 @@
 #include "nanoweft/fibre/kinds.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
-#include <set>
 #include <utility>
 
 #include "nanoweft/base/error.hpp"
@@ -17,29 +15,6 @@ double largest(const Kinds& kinds, const Value& value) {
   double most = 0;
   for (const Fibre& f : kinds) most = std::max(most, value(f));
   return most;
-}
-
-void checkNames(const std::vector<std::string>& names) {
-  std::set<std::string> seen;
-  for (const std::string& name : names) {
-    const bool fits = std::isalpha(static_cast<unsigned char>(name[0])) &&
-                      std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c); });
-    if (!fits)
-      throw InputError(format(
-          "-kinds: '%s' cannot name a kind of fibre; a name is a letter and then letters or digits",
-          name.c_str()));
-    // PETSc tells no capital from a small letter in the names of options.
-    std::string small = name;
-    std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (beginsPetscOptions(small))
-      throw InputError(
-          format("-kinds: '%s' cannot name a kind of fibre, since -%s_... are options "
-                 "of PETSc",
-                 name.c_str(), small.c_str()));
-    if (!seen.insert(small).second)
-      throw InputError(format("-kinds: '%s' stands there twice (capitals are small letters here)",
-                              name.c_str()));
-  }
 }
 
 }  // namespace
@@ -94,7 +69,7 @@ Kinds readKinds(Options& options, const UnitSystem& units) {
                              "-pair_... and the laws' options of two kinds -KIND_KIND_pair_...; "
                              "without prefix they are meant for all");
   if (names.empty()) return readFibre(options, units);
-  checkNames(names);
+  checkPrefixes("-kinds", "a kind of fibre", names);
   std::vector<Fibre> fibres;
   for (const std::string& name : names) {
     const OptionPrefix prefix(options, name);

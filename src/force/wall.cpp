@@ -149,11 +149,9 @@ Walls readWalls(Options& options, const UnitSystem& units, const Kinds& kinds) {
   const auto names = s.words("walls", "names of rigid walls, separated by commas; NAME below");
   documentWalls(s, units);
   Walls walls;
-  for (const std::string& name : names) {
-    if (std::ranges::any_of(walls, [&](const Wall& w) { return w.name == name; }))
-      throw InputError("-walls: " + name + " is named twice");
+  checkPrefixes("-walls", "a wall", names);
+  for (const std::string& name : names)
     walls.push_back(WallReader(options, units, name).read(kinds));
-  }
   return walls;
 }
 

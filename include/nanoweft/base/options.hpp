@@ -125,6 +125,10 @@ class OptionPrefix {
 /// never counted as unknown.
 bool beginsPetscOptions(const std::string& word);
 
+/// Throws InputError for names of things (a kind of fibre, a wall) that cannot begin the names of
+/// their options, or that are given twice. `option`: what lists them.
+void checkPrefixes(const char* option, const char* thing, const std::vector<std::string>& names);
+
 class OptionSection {
  public:
   OptionSection(Options& options, std::string title, bool active = true, std::string reason = "");
