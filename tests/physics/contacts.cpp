@@ -129,5 +129,69 @@ TEST(Contacts, ACollisionKeepsItsEnergyToSecondOrder) {
   EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.5);
 }
 
+/// A fibre pressed on a fixed one, in motion without damping: largest error of its energy balance
+/// over the energy that it moves with.
+double errorOf(double degrees, const VectorField& velocity, const VectorField& spin, double dt) {
+  const Folder folder;
+  const double angle = degrees * tube::pi / 180;
+  const Vec3d along{std::cos(angle), std::sin(angle), 0};
+  writeState(folder / "in.h5",
+             {straightFibre({-7 * T, 0, 0}, {1, 0, 0}, 15),
+              straightFibre(Vec3d{0, 0, 2 * tube::rf - 0.1} + (-3.3 * T) * along, along, 8)});
+  std::vector<double> group(15, 1);
+  group.resize(23, 2);
+  setDataset(folder / "in.h5", "group", group, 1);
+  auto ofUpper = [](const VectorField& field) {
+    return [field](std::size_t row, const Vec3d& x) { return row < 15 ? Vec3d{} : field(row, x); };
+  };
+  setMotion(folder / "in.h5", ofUpper(velocity), ofUpper(spin));
+  const auto outcome =
+      run(folder,
+          "-scene file -scene_file in.h5 -start_unchecked -pair contact -contact_modulus 20 "
+          "-bc floor,bar -floor_group 0 -floor_fix 1,1,1 -floor_fix_rotation -bar_group 1 "
+          "-bar_force 0,0,-0.002 -progress_interval 0 -energy_monitor ascii:e.csv "
+          "-monitor_interval 20 -ts_max_time 60000 -ts_dt " +
+              std::to_string(dt));
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const auto e = readCsv(folder / "e.csv");
+  double worst = 0;
+  for (std::size_t k = 0; k < e.at("total").size(); ++k)
+    worst = std::max(worst, std::abs(e.at("total")[k] - e.at("external")[k] - e.at("total")[0]));
+  return worst / (e.at("kinetic")[0] + e.at("rotational")[0] + 0.05);
+}
+
+TEST(Contacts, KeepTheirEnergyWhileTheyRollOverAndSlideOffEnds) {
+  const auto none = [](std::size_t, const Vec3d&) { return Vec3d{}; };
+  const struct {
+    const char* name;
+    double degrees;
+    VectorField velocity, spin;
+  } cases[] = {
+      // From 30 degrees through the range where the crossing gives way to the line and beyond.
+      {"turns", 30,
+       [](std::size_t, const Vec3d& x) {
+         return 2e-5 * Vec3d{x.y, -x.x, 0};
+       },
+       [](std::size_t, const Vec3d&) {
+         return Vec3d{0, 0, -2e-5};
+       }},
+      {"slides along", 2,
+       [](std::size_t, const Vec3d&) {
+         return Vec3d{2.5e-3, 0, 0};
+       },
+       none},
+      {"slides across", 75,
+       [](std::size_t, const Vec3d&) {
+         return Vec3d{2.5e-3, 0, 0};
+       },
+       none}};
+  for (const auto& c : cases) {
+    const double coarse = errorOf(c.degrees, c.velocity, c.spin, 16),
+                 fine = errorOf(c.degrees, c.velocity, c.spin, 8);
+    EXPECT_LT(coarse, 0.02) << c.name;
+    EXPECT_LT(fine, 0.5 * coarse) << c.name;
+  }
+}
+
 }  // namespace
 }  // namespace nanoweft::test
