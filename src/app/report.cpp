@@ -99,7 +99,14 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
 void printPairForces(MPI_Comm comm, const PairForces& pairs, const Kinds& kinds,
                      const UnitSystem& units) {
   if (!pairs) PetscPrintf(comm, "  pair forces: none\n");
-  for (const PairForces::Class& c : pairs.classes()) printPairForce(comm, c, kinds, units);
+  for (const PairForces::Class& c : pairs.classes()) {
+    printPairForce(comm, c, kinds, units);
+    if (!pairs.keepsApart(c.first, c.second))
+      PetscPrintf(
+          comm,
+          "  warning: this law only attracts, and nothing keeps these fibres apart; add one "
+          "that does, as in -pair capillary,hertz\n");
+  }
   if (!pairs || !kinds.several()) return;
   for (int i = 0; i < kinds.count(); ++i)
     for (int j = i; j < kinds.count(); ++j)

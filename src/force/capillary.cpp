@@ -42,7 +42,7 @@ SurfaceProfile profile(const Values& v, double radius, const Switch& range) {
                  -0.5 / pi * (e.curvature * s + 2.0 * e.slope * ds + e.value * range.curvature(g))};
   };
   // Forces change most in the switch, or near contact where the bridge is thin.
-  const double width = std::min((range.to - range.from) / 8.0, std::sqrt(b) / 3.0);
+  const double width = std::min((range.to - range.from) / 6.0, std::sqrt(b) / 3.0);
   return {p, 0.0, 0.0, width, false};
 }
 

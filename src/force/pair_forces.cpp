@@ -40,6 +40,11 @@ bool PairForces::rubs() const {
   return std::ranges::any_of(classes_, [](const Class& c) { return c.force->rubs(); });
 }
 
+bool PairForces::keepsApart(int a, int b) const {
+  return std::ranges::any_of(
+      classes_, [&](const Class& c) { return c.between(a, b) && c.force->keepsApart(); });
+}
+
 double PairForces::reach() const {
   double farthest = 0;
   for (const Class& c : classes_) farthest = std::max(farthest, c.force->reach());

@@ -122,6 +122,7 @@ double lawWidth(double restDistance, const Fibre& a, const Fibre& b) {
 }
 
 std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre) {
+  if (!pair.keepsApart()) return std::nullopt;
   const Bundle bundle(pair, fibre);
   if (bundle.tooLarge()) return std::nullopt;
   double error = 0, size = 0;

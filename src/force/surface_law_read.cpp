@@ -124,7 +124,7 @@ std::optional<ReadSurfaceLaw> readSurfaceLaw(const PairReader& read, const Surfa
                read.units.length, profile.rest));
   return ReadSurfaceLaw{SurfaceLaw(profile, range, read.touch(), read.a.length * read.b.length),
                         describe(read, type, v, range),
-                        {profile.width, softSpacing}};
+                        {profile.width, surfaceSpacing}};
 }
 
 }  // namespace nanoweft

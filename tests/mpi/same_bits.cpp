@@ -114,6 +114,14 @@ TEST(SameBits, ViscousDamping) {
       {"out.h5", "energy.csv"}, {{2, 1}, {4, 1}});
 }
 
+TEST(SameBits, LawsThatAdd) {
+  expectSameFiles(
+      "-weave_fibres 4,4 -weave_segments 24 -pair vdw,hertz,capillary -capillary_tension 0.0045 "
+      "-capillary_volume 400 -damping_viscous 20 -scene_perturb 0.2 -ts_max_steps 100" +
+          outputs,
+      {"out.h5", "energy.csv"}, {{1, 2}, {3, 1}});
+}
+
 TEST(SameBits, Fire) {
   // With loads, held components, a step that follows the stable limit, and an end by force.
   expectSameFiles(

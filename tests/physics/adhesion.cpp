@@ -126,5 +126,26 @@ TEST(Adhesion, HertzRepelsOnlyInContact) {
   EXPECT_EQ(pairEnergy(folder, "-pair hertz -pair_points 1"), 0.0);
 }
 
+TEST(Adhesion, ALawThatAddsNothingChangesNothing) {
+  // No fibres overlap, so hertz is zero; damping and links belong to pairs, not to laws.
+  const Folder folder;
+  auto energies = [&](const std::string& laws, const char* table) {
+    const auto outcome =
+        run(folder,
+            "-scene weave -weave_fibres 4,4 -weave_segments 16 -links_density 0.003 "
+            "-links_distance 20 -damping_viscous 20 -ts_dt 10 -ts_max_steps 60 -overwrite "
+            "-monitor_interval 20 -energy_monitor ascii:" +
+                std::string(table) + " -pair " + laws,
+            1);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return readCsv(folder / table);
+  };
+  const auto one = energies("vdw", "one.csv"), two = energies("vdw,hertz", "two.csv");
+  EXPECT_GT(one.at("damped").back(), 0.0);
+  for (const auto& [column, values] : one)
+    for (std::size_t k = 0; k < values.size(); ++k)
+      EXPECT_NEAR(two.at(column)[k], values[k], 1e-8 * (1 + std::abs(values[k]))) << column;
+}
+
 }  // namespace
 }  // namespace nanoweft::test

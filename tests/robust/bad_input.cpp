@@ -19,6 +19,7 @@ using namespace nanoweft::test;
 namespace {
 
 const std::string fibre = "-scene fibre -fibre_segments 12 -ts_max_steps 2 ";
+const std::string hamaker = "-pair hamaker -hamaker_constant 0.5 -hamaker_gap 3 ";
 const std::string weave = "-scene weave -weave_fibres 4,4 -weave_segments 24 -ts_max_steps 2 ";
 const std::string fromFile = "-scene file -scene_file in.h5 -ts_max_steps 2 ";
 
@@ -237,6 +238,36 @@ const std::vector<Case> cases = {
      {"-pair_precision", "not used", "-pair is hertz"}},
     {"RoundSplice", fibre + "-vdw_splice round", {"-vdw_splice 'round'", "smooth|kink"}},
     {"PairNothing", fibre + "-pair nothing", {"-pair 'nothing'", "vdw", "none"}},
+    {"PairOfNothingElse", fibre + "-pair none,vdw", {"-pair vdw,none", "stands alone"}},
+    {"PairTwice", fibre + "-pair hertz,hertz", {"-pair 'hertz,hertz'", "twice"}},
+    {"PairAddsNothing", fibre + "-pair vdw,glue", {"-pair 'vdw,glue'", "capillary|none"}},
+    {"HamakerWithoutConstant",
+     fibre + "-pair hamaker -hamaker_gap 3 -pair_gap_cutoff 40",
+     {"-hamaker_constant", "needs it", "eV"}},
+    {"HamakerWithoutEnd", fibre + hamaker, {"-pair_gap_cutoff", "needs it", "gap"}},
+    {"HamakerEndsAtRest",
+     fibre + hamaker + "-pair_gap_cutoff 3",
+     {"-pair_gap_cutoff", "gap at rest, 3"}},
+    {"HamakerEndsBelowZero",
+     fibre + hamaker + "-pair_gap_cutoff -30",
+     {"-pair_gap_cutoff -30", "above 0"}},
+    {"HamakerSwitchedBackwards",
+     fibre + hamaker + "-pair_gap_switch 35 -pair_gap_cutoff 30",
+     {"from a gap of 35 to 30 A", "rise"}},
+    {"HamakerWithTwoEnds",
+     fibre + hamaker + "-pair_gap_cutoff 30 -hamaker_gap_cutoff 40",
+     {"-hamaker_gap_cutoff", "-pair_gap_cutoff", "one of the two"}},
+    {"HamakerRepels", fibre + "-pair hamaker -hamaker_constant -1", {"constant -1", "above 0"}},
+    {"HydrogenOfNoNumber",
+     fibre + "-pair hydrogen -hydrogen_energy nan",
+     {"-hydrogen_energy 'nan'", "number"}},
+    {"BridgeThatDoesNotWet",
+     fibre + "-pair capillary -capillary_tension 0.0045 -capillary_angle 2",
+     {"-capillary_angle 2", "at most 1.57"}},
+    {"OneRangeForTwoLaws",
+     fibre + "-pair vdw,hydrogen -hydrogen_energy 0.02 -hydrogen_gap 3 -pair_gap_cutoff 30",
+     {"-pair_gap_cutoff", "not used", "-vdw_gap_", "-hydrogen_gap_"}},
+    {"BridgeWithoutCapillary", fibre + "-capillary_angle 1", {"-capillary_angle", "-pair is vdw"}},
     {"SceneNothing", "-scene nothing -ts_max_steps 2", {"-scene 'nothing'", "weave|fibre|file"}},
     {"ForeignViewer",
      fibre + "-energy_monitor hdf5:old.h5",

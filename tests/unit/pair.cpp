@@ -8,6 +8,7 @@
 #include "helpers.hpp"
 #include "nanoweft/force/hertz.hpp"
 #include "nanoweft/force/pair_kernel.hpp"
+#include "nanoweft/force/surface_law.hpp"
 #include "nanoweft/force/vdw.hpp"
 
 namespace nanoweft::test {
@@ -92,13 +93,25 @@ LawCase lawCase(std::string name, Law law, double nearest, double farthest) {
           nearest, farthest};
 }
 
+PairTable surfaceTable(const std::string& name, const std::vector<double>& values,
+                       const Switch& range) {
+  for (const SurfaceLawType& type : surfaceLaws())
+    if (type.name == name)
+      return SurfaceLaw(type.profile(values, 6.78, range), range, 2 * 6.78, length * length)
+          .table();
+  throw std::logic_error("no law " + name);
+}
+
 std::vector<LawCase> allLaws() {
   VdwParameters general = parameters(true);
   general.alpha = 8.7, general.beta = 4.4;
   return {lawCase("vdw_smooth", Vdw(parameters(true)).table(), 10, 60),
           lawCase("vdw_kink", Vdw(parameters(false)).table(), 10, 60),
           lawCase("vdw_general", Vdw(general).table(), 10, 60),
-          lawCase("hertz", Hertz(200, 6.78), 3, 14)};
+          lawCase("hertz", Hertz(200, 6.78), 3, 14),
+          lawCase("hamaker", surfaceTable("hamaker", {0.5, 3.0, 0.01}, {25, 35}), 10, 48),
+          lawCase("hydrogen", surfaceTable("hydrogen", {0.02, 2.9, 0.3}, {8, 11}), 10, 24),
+          lawCase("capillary", surfaceTable("capillary", {0.0045, 0.5, 400}, {6, 9.2}), 10, 22)};
 }
 
 class EveryLaw : public testing::TestWithParam<LawCase> {};

@@ -7,9 +7,10 @@
 /// Therefore the force between two fibres does not depend on T beyond the quadrature error. The
 /// code of a law computes u = Ti Tj w. The two segments may be of different kinds; then i is the
 /// one of the kind that PairForces::Class names first. Pairs far apart may use fewer points;
-/// pair_sift.hpp says how one sum gives way to the other. Laws are chosen by name. A new law is a
-/// header like hertz.hpp, an entry in pair_forces_read.cpp and a makePairForce in pair_force.cpp;
-/// that file instantiates the kernels and takes long to compile.
+/// pair_sift.hpp says how one sum gives way to the other. Laws are chosen by name. A new law
+/// of the gap between surfaces is a file like hamaker.cpp (see surface_law.hpp). Another one is a
+/// header like hertz.hpp and an entry in pair_forces_read.cpp; one that is no table also needs a
+/// makePairForce in pair_force.cpp, which instantiates the kernels and takes long to compile.
 #pragma once
 
 #include <cstdint>
@@ -107,6 +108,7 @@ struct PairTraits {
   double contactStiffness = 0;  ///< bound of u'' in repulsive contact
   double largestForce = 0;      ///< bound of |u'|
   LawWidth width;
+  bool keepsApart = true;  ///< does it repel fibres that touch?
 };
 
 /// Settings of the sum that are the same for all laws.
@@ -152,6 +154,7 @@ class PairForce {
   /// Has it friction, or damping that its contacts bring along?
   virtual bool rubs() const { return false; }
   const LawWidth& width() const { return traits_.width; }
+  bool keepsApart() const { return traits_.keepsApart; }
   /// Places of the outermost points of near pairs, from the centres.
   virtual Both<double> pointSpan() const;
   Both<double> radius() const { return traits_.radius; }

@@ -43,6 +43,8 @@ class PairForces {
   const PairForce* between(int a, int b) const;
   /// The largest resting distance of the laws between two kinds; empty where they do not interact.
   std::optional<double> restDistance(int a, int b) const;
+  /// Does a law between two kinds keep fibres that touch apart?
+  bool keepsApart(int a, int b) const;
   /// The largest reach of all.
   double reach() const;
   /// The largest -pair_exclude.

@@ -1,5 +1,5 @@
 /// What readers of pair laws share: two kinds with the laws chosen between them. For
-/// pair_forces_read.cpp and surface_law_read.cpp alone.
+/// pair_forces_read.cpp, pair_points_read.cpp and surface_law_read.cpp alone.
 #pragma once
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include "nanoweft/fibre/material.hpp"
 #include "nanoweft/force/pair_force.hpp"
 #include "nanoweft/force/surface_law.hpp"
+#include "nanoweft/force/vdw.hpp"
 
 namespace nanoweft {
 
@@ -52,6 +53,16 @@ struct GivenRange {
 /// The range by -pair_... where one law has a range, which `common` is, else by -LAW_gap_....
 GivenRange readOwnRange(const PairReader& read, const std::string& law, const GivenRange& common,
                         Both<const char*> shown);
+
+/// Resting distance of two fibres in units of lambda; with the paper's parameters, the paper's
+/// rounded value.
+double restOf(const VdwParameters& p);
+
+/// Points for near and far pairs of vdw, the only law that has a far range, or in a run without it
+/// of another law or none.
+PointChoice readPoints(const PairReader& read, double rest, const VdwParameters& vdw);
+/// Points of a law without a far range, whose options have been read.
+PointChoice nearPoints(const PairReader& read, double rest, const LawWidth& width);
 
 /// Values of the surface laws by name; NaN where none is known.
 using SurfaceValues = std::map<std::string, SurfaceLawType::Values>;

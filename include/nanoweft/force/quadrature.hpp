@@ -16,8 +16,9 @@
 namespace nanoweft {
 
 /// Largest spacing of points over sqrt(2 d g): for near pairs (5 points for the (10,10) tube), for
-/// a soft repulsion, and for far pairs (1 point).
-inline constexpr double nearSpacing = 0.24, softSpacing = 0.42, farSpacing = 0.44;
+/// a soft repulsion, for surface laws, and for far pairs (1 point).
+inline constexpr double nearSpacing = 0.24, softSpacing = 0.42, surfaceSpacing = 0.32,
+                        farSpacing = 0.44;
 /// Beyond this spacing, forces show the single points rather than a fibre.
 inline constexpr double coarsestSpacing = 0.8;
 
@@ -31,8 +32,8 @@ double lawWidth(double restDistance, const Fibre& a, const Fibre& b);
 /// Rms error of the pair forces on a segment over the rms of these forces, in a slightly disordered
 /// bundle of 61 fibres; the reference is the sum over many points (13 for the (10,10) tube).
 /// Depends on law, points and fibre alone; `pair` is that of two fibres of one kind. Empty when the
-/// estimate would take minutes: for a law that reaches very far, or is very narrow against the
-/// segment.
+/// estimate would take minutes, for a law that reaches very far or is very narrow against the
+/// segment, and for a law that only attracts, since no bundle rests by it.
 std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre);
 
 /// Warnings about the number of points that a run uses. `a`, `b`: the fibres of the pair's first

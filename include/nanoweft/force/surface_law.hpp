@@ -80,6 +80,7 @@ class SurfaceLaw {
   SurfaceLaw(SurfaceProfile profile, const Switch& range, double touch, double lengths);
 
   double cutoff() const { return touch_ + range_.to; }
+  bool keepsApart() const { return profile_.holds; }
   double restDistance() const { return touch_ + profile_.rest; }
   /// Below this distance surfaces have passed through each other; zero when nothing keeps them
   /// apart.
