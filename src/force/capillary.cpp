@@ -43,7 +43,8 @@ SurfaceProfile profile(const Values& v, double radius, const Switch& range) {
   };
   // Forces change most in the switch, or near contact where the bridge is thin.
   const double width = std::min((range.to - range.from) / 6.0, std::sqrt(b) / 3.0);
-  return {p, 0.0, 0.0, width, false};
+  // The slope of p has a kink where the switch ends.
+  return {p, 0.0, 0.0, width, false, 3e-4};
 }
 
 }  // namespace

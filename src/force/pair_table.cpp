@@ -42,7 +42,7 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
   // The begin of the switch has to be a node, too. Of all nodes from y = 16 on, it gets the one for
   // which the cutoff falls nearest to a node.
   double best = 1.0, end = 0.0;
-  for (double octave = 16; best > 1e-2; octave *= 2)
+  for (double octave = 16; best > joins.miss; octave *= 2)
     for (int k = 0; k < 1 << bits; ++k) {
       const double image = octave + std::ldexp(octave * k, -bits),
                    scale = (image - 1.0) / (outer - inner), y = 1.0 + scale * (cutoff - inner),

@@ -85,7 +85,7 @@ double SurfaceLaw::contactStiffness() const {
 }
 
 PairTable SurfaceLaw::table() const {
-  return PairTable({touch_ + profile_.join, touch_ + range_.from, cutoff()},
+  return PairTable({touch_ + profile_.join, touch_ + range_.from, cutoff(), profile_.miss},
                    [this](double r) { return (*this)(r * r).slope; });
 }
 

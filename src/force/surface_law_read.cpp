@@ -57,10 +57,10 @@ Switch rangeOf(const PairReader& read, const Type& type, const GivenRange& given
   else if (type.usualCutoff)
     range.to = type.usualCutoff(values);
   else
-    throw InputError(
-        format("%s: the law %s needs it: the gap in %s where its forces end, 10 times "
-               "the gap at rest or more",
-               read.option("pair_gap_cutoff").c_str(), type.name, read.units.length));
+    throw InputError(format(
+        "%s: the law %s needs it: the gap in %s where its forces end, 10 times "
+        "the gap at rest or more",
+        read.option(std::string(type.name) + "_gap_cutoff").c_str(), type.name, read.units.length));
   range.from = given.from ? *given.from - read.touch() : usualSwitch * range.to;
   return range;
 }
@@ -120,8 +120,8 @@ std::optional<ReadSurfaceLaw> readSurfaceLaw(const PairReader& read, const Surfa
     throw InputError(
         format("%s: the law %s would be switched off from a gap of %g to %g %s; these "
                "must rise, and lie beyond the gap at rest, %g",
-               read.option("pair_gap_cutoff").c_str(), type.name, range.from, range.to,
-               read.units.length, profile.rest));
+               read.option(std::string(type.name) + "_gap_cutoff").c_str(), type.name, range.from,
+               range.to, read.units.length, profile.rest));
   return ReadSurfaceLaw{SurfaceLaw(profile, range, read.touch(), read.a.length * read.b.length),
                         describe(read, type, v, range),
                         {profile.width, surfaceSpacing}};

@@ -167,6 +167,13 @@ TEST(SurfaceLaws, ABridgePullsCrossedFibresAsMeasured) {
       EXPECT_NEAR(found.force.z, pull * (1 - gap / std::sqrt(gap * gap + b)), 0.03 * pull) << gap;
       EXPECT_NEAR(found.energy, energy(gap), 0.01 * std::abs(energy(0))) << gap;
     }
+  // While it is switched off, against 2 pi d w(d).
+  for (const double gap : {26.0, 28.0, 30.0, 32.0})
+    for (const double slide : {0.0, 0.27}) {
+      const double d = 2 * radius + gap;
+      const double w = law.average(1, {0, 0, d}, {1, 0, 0}, {1, 0, 0}).energy / (30 * 30);
+      EXPECT_NEAR(rows.crossed(d, slide, 1.7 * slide).force.z, -2 * pi * d * w, 0.07 * pull) << gap;
+    }
 }
 
 /// int e(g + s^2/(2 d)) ds of e = g^-n, in units of sqrt(2 pi d).

@@ -114,6 +114,9 @@ class PairTable : public PairRows<double> {
   /// Distances where the law is not smooth: the inner join, the begin of the switch, the end.
   struct Joins {
     double inner, outer, cutoff;
+    /// How far the cutoff may lie from a node, in parts. A law whose force ends with a kink needs
+    /// less than one that fades smoothly, and gets more rows.
+    double miss = 1e-2;
   };
   /// `slope`: u'(r)/r between the joins, taken one-sidedly at them.
   PairTable(const Joins& joins, const std::function<double(double r)>& slope);

@@ -27,11 +27,12 @@ using OfGap = std::function<AtGap(double gap)>;
 
 /// A law for surfaces of given radii. Gaps are lengths between the surfaces.
 struct SurfaceProfile {
-  OfGap p;            ///< force of a crossing over 2 pi; needs no second derivative
-  double join = 0;    ///< gap where branches join
-  double rest = 0;    ///< gap at which fibres rest on each other; zero when the law only attracts
-  double width = 0;   ///< gap over which forces change, for the number of points
-  bool holds = true;  ///< keeps fibres apart
+  OfGap p;             ///< force of a crossing over 2 pi; needs no second derivative
+  double join = 0;     ///< gap where branches join
+  double rest = 0;     ///< gap at which fibres rest on each other; zero when the law only attracts
+  double width = 0;    ///< gap over which forces change, for the number of points
+  bool holds = true;   ///< keeps fibres apart
+  double miss = 1e-2;  ///< of the law's table (pair_table.hpp)
 };
 
 /// The minimum of a surface energy. Below its gap the energy is a parabola of the given stiffness.
