@@ -105,7 +105,7 @@ void printPairForces(MPI_Comm comm, const PairForces& pairs, const Kinds& kinds,
       PetscPrintf(
           comm,
           "  warning: this law only attracts, and nothing keeps these fibres apart; add one "
-          "that does, as in -pair capillary,hertz\n");
+          "that does, as in -pair capillary,contact\n");
   }
   if (!pairs || !kinds.several()) return;
   for (int i = 0; i < kinds.count(); ++i)

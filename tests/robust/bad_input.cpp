@@ -240,7 +240,7 @@ const std::vector<Case> cases = {
     {"PairNothing", fibre + "-pair nothing", {"-pair 'nothing'", "vdw", "none"}},
     {"PairOfNothingElse", fibre + "-pair none,vdw", {"-pair vdw,none", "stands alone"}},
     {"PairTwice", fibre + "-pair hertz,hertz", {"-pair 'hertz,hertz'", "twice"}},
-    {"PairAddsNothing", fibre + "-pair vdw,glue", {"-pair 'vdw,glue'", "capillary|none"}},
+    {"PairAddsNothing", fibre + "-pair vdw,glue", {"-pair 'vdw,glue'", "capillary|contact|none"}},
     {"HamakerWithoutConstant",
      fibre + "-pair hamaker -hamaker_gap 3 -pair_gap_cutoff 40",
      {"-hamaker_constant", "needs it", "eV"}},

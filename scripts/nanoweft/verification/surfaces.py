@@ -103,7 +103,7 @@ def parallel(name: str, pair: str) -> Row:
     fibres = short, row_of(b, (0, d, 0), length / 2 + reach + 2 * b.T)
     energy = evaluate(new_folder(f"surfaces_parallel_{name}_{b.radius:g}"), (a, b), fibres,
                       f"-pair {name} {law.options}")[1]
-    return relative(FAMILY, f"{name}, {pair}, parallel, gap {gap:g} A, eV/A: integral over both axes",
+    return relative(FAMILY, f"{name}, {pair}, parallel, gap {gap:g} A, eV/A: integral over both",
                     2 * integral(along, 0, reach), energy / length, 0.01, CHOSEN)
 
 
