@@ -19,30 +19,26 @@ double largest(const Kinds& kinds, const Value& value) {
   return most;
 }
 
-void checkNames(const std::vector<std::string>& names) {
+}  // namespace
+
+void checkNamesOfKinds(const std::string& option, const std::string& what,
+                       const std::vector<std::string>& names) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
+    const std::string cannot = option + ": '" + name + "' cannot name a kind of " + what;
     const bool fits = std::isalpha(static_cast<unsigned char>(name[0])) &&
                       std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c); });
-    if (!fits)
-      throw InputError(format(
-          "-kinds: '%s' cannot name a kind of fibre; a name is a letter and then letters or digits",
-          name.c_str()));
+    if (!fits) throw InputError(cannot + "; a name is a letter and then letters or digits");
     // PETSc tells no capital from a small letter in the names of options.
     std::string small = name;
     std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
     if (beginsPetscOptions(small))
-      throw InputError(
-          format("-kinds: '%s' cannot name a kind of fibre, since -%s_... are options "
-                 "of PETSc",
-                 name.c_str(), small.c_str()));
+      throw InputError(cannot + ", since -" + small + "_... are options of PETSc");
     if (!seen.insert(small).second)
-      throw InputError(format("-kinds: '%s' stands there twice (capitals are small letters here)",
-                              name.c_str()));
+      throw InputError(option + ": '" + name +
+                       "' stands there twice (capitals are small letters here)");
   }
 }
-
-}  // namespace
 
 std::vector<std::string> Kinds::names() const {
   std::vector<std::string> names;
@@ -94,7 +90,7 @@ Kinds readKinds(Options& options, const UnitSystem& units) {
                              "-pair_... and the laws' options of two kinds -KIND_KIND_pair_...; "
                              "without prefix they are meant for all");
   if (names.empty()) return readFibre(options, units);
-  checkNames(names);
+  checkNamesOfKinds("-kinds", "fibre", names);
   std::vector<Fibre> fibres;
   for (const std::string& name : names) {
     const OptionPrefix prefix(options, name);

@@ -50,7 +50,7 @@ struct RunPlan {
   RunSettings settings;
   Breakage breakage;
   std::unique_ptr<Scene> scene;  ///< null in a restart
-  LinkLaw links;
+  LinkLaws links;
   Walls walls;
   Boundaries boundaries;
   Observers observers;
@@ -61,6 +61,8 @@ struct RunPlan {
  private:
   void readBox(Options& options);
   void refuseContradictions() const;
+  /// Prefixes of options must tell what they belong to.
+  void refuseSharedNames() const;
   bool seeNewStep(const Options& options) const;
   /// Throws InputError when two outputs are one file.
   void requireDistinctOutputs() const;

@@ -47,6 +47,11 @@ class Kinds {
   std::vector<Quatd> restHalves_;
 };
 
+/// Throws InputError for names of kinds that cannot serve as prefixes of options. `option` gave
+/// them; `what` has kinds ("fibre").
+void checkNamesOfKinds(const std::string& option, const std::string& what,
+                       const std::vector<std::string>& names);
+
 /// Reads -kinds, and -fibre_... of each kind: with its name as prefix, else those meant for all.
 /// Throws InputError for names that cannot serve as prefixes.
 Kinds readKinds(Options& options, const UnitSystem& units);
