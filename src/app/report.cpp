@@ -129,10 +129,7 @@ void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
               static_cast<unsigned long long>(law.seed));
 }
 
-void printLinks(MPI_Comm comm, const State& state, const LinkLaw& law, const UnitSystem& units) {
-  // Links of two ranks are held by both.
-  std::int64_t last = state.links.empty() ? -1 : state.links.back().id;
-  MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, comm);
+void printLinksOf(MPI_Comm comm, std::int64_t count, const LinkLaw& law, const UnitSystem& units) {
   const std::string strength =
       (std::isinf(law.breakStrain) ? "" : format(", break at a strain of %g", law.breakStrain)) +
       (std::isinf(law.breakForce) ? "" : format(", break at %g %s", law.breakForce, units.force));
@@ -140,8 +137,22 @@ void printLinks(MPI_Comm comm, const State& state, const LinkLaw& law, const Uni
       law.spring ? format("springs of %.5g %s/%s^2", law.bond.stretch, units.energy, units.length)
                  : format("bonds with B1 %.5g, B2 %.5g, B3 %.5g, B4 %.5g", law.bond.stretch,
                           law.bond.shear, law.bond.bending, law.bond.torsion);
-  PetscPrintf(comm, "  %lld links: %s%s\n", static_cast<long long>(last + 1), text.c_str(),
-              strength.c_str());
+  PetscPrintf(comm, "  %lld %slinks: %s%s\n", static_cast<long long>(count),
+              law.kind.empty() ? "" : (law.kind + " ").c_str(), text.c_str(), strength.c_str());
+}
+
+void printLinks(const RunParts& parts) {
+  const State& state = *parts.state;
+  const LinkLaws& laws = parts.plan->links;
+  std::vector<std::int64_t> counts(laws.size(), 0);
+  // Links of two ranks are held by both and counted by the owner of their first end.
+  for (std::size_t k = 0; k < state.links.size(); ++k)
+    if (parts.forces->links().ends(k)[0] < state.owned())
+      ++counts[static_cast<std::size_t>(state.links[k].kind)];
+  MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM,
+                state.comm());
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    printLinksOf(state.comm(), counts[k], laws[k], parts.plan->units);
 }
 
 void printTeam(const RunParts& parts) {
@@ -214,7 +225,7 @@ void printHeader(const RunParts& parts, const Moment& start) {
   printPairForces(plan.comm, parts.forces->pairs(), plan.kinds, units);
   for (int k = 0; k < plan.kinds.count(); ++k)
     if (const auto& law = plan.breakage[k]) printBreakage(plan.comm, *law, plan.kinds[k], units);
-  if (parts.state->linked) printLinks(plan.comm, *parts.state, plan.links, units);
+  if (parts.state->linked) printLinks(parts);
   if (tension) printTension(plan.comm, *tension, units);
   printStep(parts);
   if (plan.boundaries.tensionGoesOn())

@@ -52,9 +52,23 @@ void takeRestOfKinds(State& state, const Kinds& kinds) {
   for (int i = 0; i < state.owned(); ++i) setRest(state, i, kinds[state.kind(i)].restRotation());
 }
 
-std::vector<double> linkNumbersOf(const LinkLaw& law) {
-  return {law.spring ? 1.0 : 0.0, law.bond.stretch, law.bond.shear, law.bond.bending,
-          law.bond.torsion};
+/// For each kind of link five numbers, as RunParts::linkNumbers.
+std::vector<double> linkNumbersOf(const LinkLaws& laws) {
+  std::vector<double> numbers;
+  for (const LinkLaw& law : laws)
+    numbers.insert(numbers.end(), {law.spring ? 1.0 : 0.0, law.bond.stretch, law.bond.shear,
+                                   law.bond.bending, law.bond.torsion});
+  return numbers;
+}
+
+/// The laws of the kinds of those names, in their order. Without names it is that of the first.
+LinkLaws inOrder(const LinkLaws& laws, const std::vector<std::string>& names) {
+  if (names.empty()) return {laws[0]};
+  LinkLaws theirs;
+  for (const std::string& name : names)
+    for (const LinkLaw& law : laws)
+      if (law.kind == name) theirs.push_back(law);
+  return theirs;
 }
 
 std::vector<double> restShapesOf(const RunRecord& record) {
@@ -112,6 +126,7 @@ void RunParts::fillState() {
   extras.ends = forces->pairs().touches();
   state = std::make_unique<State>(plan->comm, plan->box, extras);
   state->kinds = plan->kinds.names();
+  state->linkKinds = namesOf(plan->links);
   if (plan->checkpoint) {
     requireParts(*plan->checkpoint, extras);
     readStateRows(plan->restart, *plan->checkpoint, *state);
@@ -148,7 +163,8 @@ void RunParts::checkStart() {
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
   if (file)
     if (const auto it = file->run.reals.find("links");
-        it != file->run.reals.end() && it->second != linkNumbersOf(plan->links))
+        it != file->run.reals.end() &&
+        it->second != linkNumbersOf(inOrder(plan->links, file->linkKinds)))
       warnings.push_back(
           "the run that left the state had links of another kind (-link_law, -link_stretch, "
           "-link_stiffness); their rest is that of the file");
@@ -214,7 +230,8 @@ void RunParts::share() {
     spreadOldBreaks(*state, forces->pairs().exclude());
     forces->rebuild(*state, *domain);  // the bond lists again, without the broken ones
   }
-  if (!plan->checkpoint && plan->links.density > 0) {
+  if (!plan->checkpoint &&
+      std::ranges::any_of(plan->links, [](const LinkLaw& law) { return law.density > 0; })) {
     makeLinks(*state, *forces, plan->units, plan->settings.seed);
     forces->rebuild(*state, *domain);
   }

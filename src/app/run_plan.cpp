@@ -1,5 +1,7 @@
 #include "nanoweft/app/run_plan.hpp"
 
+#include <strings.h>
+
 #include <algorithm>
 
 #include "nanoweft/app/provenance.hpp"
@@ -32,7 +34,7 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
       scene(readScene(options,
                       {units, kinds, comm, [this](int a, int b) { return restDistance(a, b); }},
                       options.helpWanted() || checkpoint)),
-      links(readLinkLaw(options, units, kinds, linked() || options.helpWanted())),
+      links(readLinkLaws(options, units, kinds, linked() || options.helpWanted())),
       walls(readWalls(options, units, kinds)),
       boundaries(options, units, kinds, restDistance(0, 0)),
       boxDrive(options, units),
@@ -68,7 +70,23 @@ void RunPlan::readBox(Options& options) {
   if (!checkpoint) box = given;
 }
 
+void RunPlan::refuseSharedNames() const {
+  for (const LinkLaw& law : links) {
+    auto differ = [&](const std::string& other, const char* option) {
+      // PETSc tells no capital from a small letter in the names of options.
+      if (law.kind.empty() || strcasecmp(law.kind.c_str(), other.c_str()) != 0) return;
+      throw InputError("-link_kinds: '" + law.kind + "' is among " + option +
+                       ", too; options of both would begin with -" + law.kind +
+                       "_, so give one another name");
+    };
+    for (const Fibre& f : kinds) differ(f.kind, "-kinds");
+    for (const Boundary& b : boundaries.list()) differ(b.name, "-bc");
+    for (const Wall& w : walls) differ(w.name, "-walls");
+  }
+}
+
 void RunPlan::refuseContradictions() const {
+  refuseSharedNames();
   if (!settings.maxSteps && !settings.maxTime && settings.relaxTolerance == 0 &&
       settings.relaxForce == 0 && !boundaries.tension())
     throw InputError(

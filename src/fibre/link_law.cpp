@@ -1,11 +1,17 @@
 #include "nanoweft/fibre/link_law.hpp"
 
+#include <algorithm>
+
 #include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
 
+namespace {
+
+constexpr const char* title = "Links";
+constexpr const char* noLinks = "the state has no links (/link, or -links_density)";
+
 LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool inFile) {
-  const char* title = "Links";
   LinkLaw law;
   OptionSection made(options, title);
   const std::string perLength = std::string("1/") + units.length;
@@ -20,18 +26,19 @@ LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kind
   if (law.density > 0 && !distance) throw InputError("-links_density: needs -links_distance");
   law.distance = distance.value_or(0.0);
   const bool linked = inFile || law.density > 0;
-  const std::string none = "the state has no links (/link, or -links_density)";
-  OptionSection s(options, title, linked, none);
+  OptionSection s(options, title, linked, noLinks);
   law.bond = kinds[0].bond;
   law.spring = s.choice("link_law", "bond", {"bond", "spring"},
                         "an EVM bond, or a spring whose ends are free to turn") == "spring";
   const std::string perArea = std::string(units.energy) + "/" + units.length + "^2";
-  OptionSection spring(options, title, linked && law.spring, linked ? "-link_law is bond" : none);
+  OptionSection spring(options, title, linked && law.spring,
+                       linked ? "-link_law is bond" : noLinks);
   law.bond.stretch = spring
                          .maybeReal("link_stretch", "B1 of the first kind", perArea.c_str(),
                                     "stiffness of a spring", positive)
                          .value_or(law.bond.stretch);
-  OptionSection bond(options, title, linked && !law.spring, linked ? "-link_law is spring" : none);
+  OptionSection bond(options, title, linked && !law.spring,
+                     linked ? "-link_law is spring" : noLinks);
   const std::string unit = perArea + "," + units.energy + "," + units.energy + "," + units.energy;
   if (const auto b = bond.reals("link_stiffness", 4, "of the bonds of the first kind", unit.c_str(),
                                 "stiffnesses B1,B2,B3,B4 of an EVM link")) {
@@ -50,6 +57,37 @@ LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kind
                                "a link breaks when its force is larger than this", positive)
                        .value_or(law.breakForce);
   return law;
+}
+
+}  // namespace
+
+std::vector<std::string> namesOf(const LinkLaws& laws) {
+  std::vector<std::string> names;
+  for (const LinkLaw& law : laws) names.push_back(law.kind);
+  return names;
+}
+
+LinkLaws readLinkLaws(Options& options, const UnitSystem& units, const Kinds& kinds, bool inFile) {
+  OptionSection s(options, title);
+  const auto names = s.words("link_kinds",
+                             "names of the kinds of links, where there are several: -link_... and "
+                             "-links_... of a kind are -KIND_link_... and -KIND_links_...; without "
+                             "prefix they are meant for all");
+  if (names.empty()) return {readLinkLaw(options, units, kinds, inFile)};
+  checkPrefixes("-link_kinds", "a kind of link", names);
+  LinkLaws laws;
+  for (const std::string& name : names) {
+    const OptionPrefix prefix(options, name);
+    try {
+      laws.push_back(readLinkLaw(options, units, kinds, inFile));
+    } catch (const InputError& problem) {
+      throw InputError("links " + name + ": " + problem.what());
+    }
+    laws.back().kind = name;
+  }
+  if (!inFile && std::ranges::none_of(laws, [](const LinkLaw& law) { return law.density > 0; }))
+    throw InputError(std::string("-link_kinds is not used by this run: ") + noLinks);
+  return laws;
 }
 
 }  // namespace nanoweft

@@ -4,11 +4,15 @@
 
 namespace nanoweft {
 
-LinkForces::LinkForces(const LinkLaw& law, const Kinds& kinds)
-    : law_(law),
-      forceUnit_(std::max(kinds.forceScale(), law.bond.stretch * kinds.longest())),
-      torqueUnit_(std::max(kinds.energyScale(),
-                           law.bond.stretch * kinds.longest() * kinds.longest() + law.bond.shear)) {
+LinkForces::LinkForces(const LinkLaws& laws, const Kinds& kinds) : laws_(laws) {
+  const double longest = kinds.longest();
+  double force = kinds.forceScale(), torque = kinds.energyScale();
+  for (const LinkLaw& law : laws) {
+    force = std::max(force, law.bond.stretch * longest);
+    torque = std::max(torque, law.bond.stretch * longest * longest + law.bond.shear);
+  }
+  forceUnit_ = SumUnit(force);
+  torqueUnit_ = SumUnit(torque);
 }
 
 void LinkForces::build(const State& state, const Domain& domain) {
@@ -28,20 +32,21 @@ void LinkForces::build(const State& state, const Domain& domain) {
 LinkForces::Action LinkForces::resolve(const State& state, const MinimumImage& nearest,
                                        std::size_t k) const {
   const Link& link = state.links[k];
+  const LinkLaw& law = this->law(link);
   const auto [i, j] = ends_[k];
   Action action;
   action.separation = nearest(state.position(j) - state.position(i));
-  if (law_.spring) {
+  if (law.spring) {
     const double r = norm(action.separation), longer = r - link.length;
     // Ends that coincide have no direction.
-    if (r > 0) action.force.force = (law_.bond.stretch * longer / r) * action.separation;
+    if (r > 0) action.force.force = (law.bond.stretch * longer / r) * action.separation;
     action.force.length = r;
-    action.energy.stretch = 0.5 * law_.bond.stretch * longer * longer;
+    action.energy.stretch = 0.5 * law.bond.stretch * longer * longer;
     return action;
   }
   const BondGeometry<double> bond{action.separation, state.orientation(i) * link.frame[0],
                                   state.orientation(j) * link.frame[1]};
-  EvmBond own = law_.bond;
+  EvmBond own = law.bond;
   own.length = link.length;
   action.force = own.force(bond);
   action.energy = own.energy(bond);
@@ -50,7 +55,8 @@ LinkForces::Action LinkForces::resolve(const State& state, const MinimumImage& n
 
 bool LinkForces::breaks(const Link& link, const Action& action) const {
   const double strain = (action.force.length - link.length) / link.length;
-  return strain > law_.breakStrain || norm(action.force.force) > law_.breakForce;
+  const LinkLaw& law = this->law(link);
+  return strain > law.breakStrain || norm(action.force.force) > law.breakForce;
 }
 
 void LinkForces::add(State& state, const MinimumImage& nearest, bool energies, bool mayBreak,

@@ -62,11 +62,10 @@ Links gather(const Links& mine, MPI_Comm comm, int ranks) {
   return all;
 }
 
-}  // namespace
-
-void makeLinks(State& state, const ForceField& forces, const UnitSystem& units,
-               std::uint64_t seed) {
-  const LinkLaw& law = forces.links().law();
+/// Makes the links of one kind.
+void makeLinksOf(int kind, State& state, const ForceField& forces, const UnitSystem& units,
+                 std::uint64_t seed) {
+  const LinkLaw& law = forces.links().laws()[static_cast<std::size_t>(kind)];
   if (!forces.pairs() || law.distance > forces.lists().range())
     throw InputError(format(
         "-links_distance %g: beyond the reach of the pair lists, %g %s; links are made among "
@@ -84,7 +83,7 @@ void makeLinks(State& state, const ForceField& forces, const UnitSystem& units,
                law.density, sums[0], law.distance, sums[0] / sums[1], units.length));
   Links mine;
   for (const ListPair& p : pairs)
-    if (uniformPair(seed, Purpose::links, state.row[p.i],
+    if (uniformPair(seed, linksOfKind(kind), state.row[p.i],
                     static_cast<std::uint32_t>(state.row[p.j]))[0] < share)
       mine.push_back(linkAt(state, forces, p));
   std::int64_t id = state.links.empty() ? 0 : state.links.back().id + 1;
@@ -94,9 +93,26 @@ void makeLinks(State& state, const ForceField& forces, const UnitSystem& units,
   auto own = [&](std::int64_t row) { return std::ranges::binary_search(rows, row); };
   for (Link& link : gather(mine, state.comm(), state.ranks())) {
     link.id = id++;
+    link.kind = kind;
     if (own(link.row[0]) || own(link.row[1])) state.links.push_back(link);
   }
   state.linked = id > 0;
+}
+
+}  // namespace
+
+void makeLinks(State& state, const ForceField& forces, const UnitSystem& units,
+               std::uint64_t seed) {
+  const LinkLaws& laws = forces.links().laws();
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    if (!(laws[k].density > 0)) continue;
+    try {
+      makeLinksOf(static_cast<int>(k), state, forces, units, seed);
+    } catch (const InputError& problem) {
+      if (laws[k].kind.empty()) throw;
+      throw InputError("links " + laws[k].kind + ": " + problem.what());
+    }
+  }
 }
 
 }  // namespace nanoweft

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/state/kind_names.hpp"
 #include "nanoweft/state/link_file.hpp"
 #include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/state_file.hpp"
@@ -88,16 +89,6 @@ void checkDatasets(const OpenState& state, bool complete) {
     state.refuse("/state/fibre_closed has more entries than there are segments");
 }
 
-/// Names of kinds must be texts; their numbers are looked at row by row.
-void checkKinds(const OpenState& state) {
-  if (h5::find(state.segments(), rows::kind.name) == h5::Found::nothing) return;
-  const h5::Handle set(H5Dopen2(state.segments(), rows::kind.name, H5P_DEFAULT), H5Dclose);
-  if (H5Aexists(set, kindsAttribute) > 0 && !h5::readTexts(set, kindsAttribute))
-    state.refuse(
-        "the attribute kinds of /state/kind must be names of kinds: an array of texts, or one text "
-        "with commas between them");
-}
-
 }  // namespace
 
 CheckedState checkState(const std::string& file, Trust trust) {
@@ -126,8 +117,11 @@ CheckedState checkState(const std::string& file, Trust trust) {
   const bool complete = state.hasRecord() && !edited;
   checkAttributes(state, complete);
   checkDatasets(state, complete);
-  checkKinds(state);
-  if (state.hasLinks()) readLinkRows(state);
+  readKindNames(state, kindsOfFibres);
+  if (state.hasLinks()) {
+    readLinkRows(state);
+    readKindNames(state, kindsOfLinks);
+  }
   return result;
 }
 

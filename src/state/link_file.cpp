@@ -110,12 +110,14 @@ struct Ends {
   }
 };
 
-std::string problemOf(const LinkRows& rows, const Ends& ends, std::size_t k) {
+std::string problemOf(const LinkRows& rows, const Ends& ends, const KindNumbers& kinds,
+                      std::size_t k) {
   for (std::size_t side = 0; side < 2; ++side)
     if (ends.row[2 * k + side] == 0) return endOf(rows, k, side) + " is not in the file";
   if (ends.row[2 * k] == ends.row[2 * k + 1]) return endOf(rows, k, 0) + " is at both its ends";
-  if (!rows.kind.empty() && rows.kind[k] != 0)
-    return format("link %zu: its kind is %d; there is one, 0", k, rows.kind[k]);
+  if (!rows.kind.empty() && kinds.of(rows.kind[k]) < 0)
+    return format("link %zu: its kind is %d; there are %zu (the first is 0)", k, rows.kind[k],
+                  kinds.count());
   if (!rows.broken.empty() && rows.broken[k] != 0 && rows.broken[k] != 1)
     return format("link %zu: its broken is %d; it must be 0 or 1", k, rows.broken[k]);
   if (!rows.length.empty() && !(rows.length[k] > 0 && std::isfinite(rows.length[k])))
@@ -149,13 +151,14 @@ LinkRows readLinkRows(const OpenState& file) {
   return rows;
 }
 
-std::string setLinks(State& state, const LinkRows& rows) {
+std::string setLinks(State& state, const LinkRows& rows, const KindNumbers& kinds) {
   const Ends ends(state, rows);
   const MinimumImage nearest(state.box);
   // The rows of this rank lie in one block.
   const std::int64_t first = state.owned() > 0 ? state.row[0] : 0;
   for (std::size_t k = 0; k < rows.count(); ++k) {
-    if (const std::string problem = problemOf(rows, ends, k); !problem.empty()) return problem;
+    if (const std::string problem = problemOf(rows, ends, kinds, k); !problem.empty())
+      return problem;
     Link link;
     link.id = static_cast<std::int64_t>(k);
     bool here = false;
@@ -166,6 +169,7 @@ std::string setLinks(State& state, const LinkRows& rows) {
       here = here || (link.row[side] >= first && link.row[side] < first + state.owned());
     }
     if (!here) continue;
+    link.kind = rows.kind.empty() ? 0 : kinds.of(rows.kind[k]);
     link.broken = rows.broken.empty() ? 0 : rows.broken[k];
     const Vec3d chord = nearest(ends.position(2 * k + 1) - ends.position(2 * k));
     link.length = rows.length.empty() ? norm(chord) : rows.length[k];
@@ -217,6 +221,8 @@ void writeLinks(DatasetWriter& writer, const std::function<h5::Handle()>& group,
   const h5::Handle links = group();
   writer.write(links, "segments", {2, 2}, rows.segments);
   writer.write(links, "kind", 1, rows.kind);
+  if (state.rank() == 0 && !state.linkKinds[0].empty())
+    writeKindNames(writer, links, state.linkKinds);
   writer.write(links, "broken", 1, rows.broken);
   writer.write(links, "rest_length", 1, rows.length);
   writer.write(links, "rest_frame", {2, 4}, rows.frame);

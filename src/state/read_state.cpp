@@ -5,6 +5,7 @@
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
+#include "nanoweft/state/kind_names.hpp"
 #include "nanoweft/state/link_file.hpp"
 #include "nanoweft/state/memory.hpp"
 #include "nanoweft/state/open_state.hpp"
@@ -94,10 +95,7 @@ StateHeader readHeader(const OpenState& file) {
   }
   header.units = *units;
   header.parts = namesOfParts(group);
-  if (header.parts.contains(rows::kind.name)) {
-    const h5::Handle set(H5Dopen2(group, rows::kind.name, H5P_DEFAULT), H5Dclose);
-    header.kinds = h5::readTexts(set, kindsAttribute).value_or(std::vector<std::string>());
-  }
+  if (header.parts.contains(rows::kind.name)) header.kinds = readKindNames(file, kindsOfFibres);
   if (auto step = h5::readIntegers(group, "step"); step && !step->empty()) {
     header.step = (*step)[0];
     header.parts.insert("step");
@@ -106,7 +104,10 @@ StateHeader readHeader(const OpenState& file) {
     header.time = (*time)[0];
     header.parts.insert("time");
   }
-  if (file.hasLinks()) header.parts.insert("link");
+  if (file.hasLinks()) {
+    header.parts.insert("link");
+    header.linkKinds = readKindNames(file, kindsOfLinks);
+  }
   if (file.hasRecord()) header.run = readRecord(file);
   header.identity = file.identity();
   return header;
@@ -313,50 +314,6 @@ std::string problemOfClosed(MPI_Comm comm, const RawRows& raw, const Chains& cha
   return "";
 }
 
-/// For each kind of the file, its number in the run.
-class KindNumbers {
- public:
-  /// `problem` says what is wrong with the names, or is empty.
-  KindNumbers(const StateHeader& header, const std::vector<std::string>& known) {
-    const std::string ours = listOf(known);
-    if (!header.parts.contains(rows::kind.name)) {
-      if (known.size() > 1) problem = "it has no /state/kind, and the run has the kinds " + ours;
-      numbers_ = {0};
-      return;
-    }
-    if (header.kinds.empty()) {
-      for (std::size_t k = 0; k < known.size(); ++k) numbers_.push_back(static_cast<int>(k));
-      return;
-    }
-    for (const std::string& name : header.kinds) {
-      if (std::ranges::count(header.kinds, name) > 1)
-        problem = "the attribute kinds of /state/kind names '" + name + "' twice";
-      const auto at = std::ranges::find(known, name);
-      numbers_.push_back(at == known.end() ? -1 : static_cast<int>(at - known.begin()));
-      if (at == known.end() && problem.empty())
-        problem = "its /state/kind has the kind '" + name + "', which " +
-                  (known[0].empty() ? "-kinds must name" : "is not among -kinds " + ours);
-    }
-  }
-  /// The number in the run; -1 for one that the file does not explain.
-  int of(std::int32_t kind) const {
-    return kind >= 0 && static_cast<std::size_t>(kind) < numbers_.size()
-               ? numbers_[static_cast<std::size_t>(kind)]
-               : -1;
-  }
-  std::size_t count() const { return numbers_.size(); }
-
-  std::string problem;
-
- private:
-  static std::string listOf(const std::vector<std::string>& names) {
-    std::string list;
-    for (const std::string& name : names) list += (list.empty() ? "" : ",") + name;
-    return list;
-  }
-  std::vector<int> numbers_;
-};
-
 /// What is wrong with the rest rotations of a rank's rows, or nothing.
 std::string problemOfRest(const RawRows& raw, const State& state) {
   if (!state.rest) return "";
@@ -460,15 +417,21 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
   const Chains chains =
       findChains(comm, state.rank(), state.ranks(), header.rows, block, raw->index);
   agreeOn(problemOfClosed(comm, *raw, chains));
-  const KindNumbers numbers(header, state.kinds);
-  agreeOn(numbers.problem);
+  const KindNumbers numbers(kindsOfFibres, header.kinds, state.kinds);
+  if (!header.parts.contains(rows::kind.name) && state.kinds.size() > 1)
+    agreeOn("it has no /state/kind, and the run has the kinds " + listOf(state.kinds));
+  agreeOn(numbers.problem());
   agreeOn(problemOfKinds(*raw, numbers, before));
   agreeOn(problemOfRest(*raw, state));
   for (std::size_t k = 0; k < raw->kind.size(); ++k)
     state.setKind(static_cast<int>(k), numbers.of(raw->kind[k]));
   fill(state, header.box, *raw, chains);
   state.countTotal();
-  if (links) agreeOn(setLinks(state, *links));
+  if (links) {
+    const KindNumbers kinds(kindsOfLinks, header.linkKinds, state.linkKinds);
+    agreeOn(kinds.problem());
+    agreeOn(setLinks(state, *links, kinds));
+  }
   state.step = header.step;
   state.time = header.time;
 }

@@ -11,6 +11,7 @@
 #include "nanoweft/base/hdf5_driver.hpp"
 #include "nanoweft/base/output_file.hpp"
 #include "nanoweft/state/dataset_writer.hpp"
+#include "nanoweft/state/kind_names.hpp"
 #include "nanoweft/state/link_file.hpp"
 #include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/output_target.hpp"
@@ -153,11 +154,7 @@ void writeKinds(DatasetWriter& writer, hid_t group, const State& state, const Ro
   std::vector<std::int32_t> kind(static_cast<std::size_t>(state.owned()));
   for (int i = 0; i < state.owned(); ++i) kind[static_cast<std::size_t>(i)] = state.kind(i);
   writer.write(group, rows::kind.name, 1, ordered(kind.data(), 1));
-  if (state.rank() != 0) return;
-  std::string names;
-  for (const std::string& name : state.kinds) names += (names.empty() ? "" : ",") + name;
-  const h5::Handle set(H5Dopen2(group, rows::kind.name, H5P_DEFAULT), H5Dclose);
-  writer.note(set.valid() && h5::writeAttribute(set, kindsAttribute, names));
+  if (state.rank() == 0) writeKindNames(writer, group, state.kinds);
 }
 
 /// The segments' fields, with each segment's contacts in the order of their partners: which slot

@@ -36,7 +36,7 @@ struct RunParts {
   std::vector<double> fingerprint() const;
   /// The same of the rest shapes: for each kind twist and curvatures. Empty: all are straight.
   std::vector<double> restShapes() const;
-  /// The law of the links: 1 for springs, else 0, and B1 to B4. Empty: there are none.
+  /// For each kind of link 1 for springs, else 0, and B1 to B4. Empty: there are no links.
   std::vector<double> linkNumbers() const;
 
   std::unique_ptr<RunPlan> plan;

@@ -52,7 +52,7 @@ struct RunPlan {
   RunSettings settings;
   Breakage breakage;
   std::unique_ptr<Scene> scene;  ///< null in a restart
-  LinkLaw links;
+  LinkLaws links;
   Walls walls;
   Boundaries boundaries;
   BoxDrive boxDrive;
@@ -64,6 +64,8 @@ struct RunPlan {
  private:
   void readBox(Options& options);
   void refuseContradictions() const;
+  /// Prefixes of options must tell what they belong to.
+  void refuseSharedNames() const;
   bool seeNewStep(const Options& options) const;
   /// Throws InputError when two outputs are one file.
   void requireDistinctOutputs() const;

@@ -31,8 +31,15 @@ enum class Purpose : std::uint32_t {
   perturbation = 2,
   stepEstimate = 3,
   errorEstimate = 4,
-  links = 5
+  links = 5  ///< of the first kind of link
 };
+
+/// For the links of a kind.
+constexpr Purpose linksOfKind(int kind) {
+  constexpr std::uint32_t apart = 256;
+  return static_cast<Purpose>(static_cast<std::uint32_t>(Purpose::links) +
+                              apart * static_cast<std::uint32_t>(kind));
+}
 
 /// Two uniform numbers in (0, 1) that belong to (seed, purpose, fibre, index).
 inline std::array<double, 2> uniformPair(std::uint64_t seed, Purpose purpose, std::int64_t fibre,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
@@ -10,6 +12,7 @@
 namespace nanoweft {
 
 struct LinkLaw {
+  std::string kind;  ///< its name; empty where links are of one kind without name
   /// Its rest length is each link's own.
   EvmBond bond;
   bool spring = false;  ///< of its bond the stretching alone: the ends are free to turn
@@ -20,8 +23,15 @@ struct LinkLaw {
   double distance = 0;  ///< of the two axes at most
 };
 
-/// Reads -link_... and -links_... Defaults are the bonds of the first kind. `inFile`: the state
-/// that the run starts from has links. Without any, -link_... are refused.
-LinkLaw readLinkLaw(Options& options, const UnitSystem& units, const Kinds& kinds, bool inFile);
+/// The laws of the kinds of links, by their numbers; at least one.
+using LinkLaws = std::vector<LinkLaw>;
+
+/// The names of the kinds; one empty name where -link_kinds was not given.
+std::vector<std::string> namesOf(const LinkLaws& laws);
+
+/// Reads -link_kinds, and -link_... and -links_... of each kind: with its name as prefix, else
+/// those meant for all. Defaults are the bonds of the first kind of fibre. `inFile`: the state that
+/// the run starts from has links. Without any, -link_... are refused.
+LinkLaws readLinkLaws(Options& options, const UnitSystem& units, const Kinds& kinds, bool inFile);
 
 }  // namespace nanoweft

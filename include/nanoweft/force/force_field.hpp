@@ -38,7 +38,7 @@ class ForceField {
     PairForces pairs;
     Breakage breakage;
     ViscousDamping viscous;  ///< of lengths of 2 rf
-    LinkLaw links;
+    LinkLaws links;
     Walls walls;
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;

@@ -19,9 +19,9 @@ namespace nanoweft {
 
 class LinkForces {
  public:
-  LinkForces(const LinkLaw& law, const Kinds& kinds);
+  LinkForces(const LinkLaws& laws, const Kinds& kinds);
 
-  const LinkLaw& law() const { return law_; }
+  const LinkLaws& laws() const { return laws_; }
   /// Finds the ends of the links among the local segments; to be called at each rebuild.
   void build(const State& state, const Domain& domain);
   /// Adds forces and torques to State::force and torque of the owned segments, energies to the
@@ -46,9 +46,10 @@ class LinkForces {
     std::size_t link;
     int side;
   };
+  const LinkLaw& law(const Link& link) const { return laws_[static_cast<std::size_t>(link.kind)]; }
   bool breaks(const Link& link, const Action& action) const;
 
-  LinkLaw law_;
+  LinkLaws laws_;
   SumUnit forceUnit_, torqueUnit_;
   std::vector<std::array<int, 2>> ends_;
   std::vector<End> owned_;  ///< sorted by segment

@@ -1,7 +1,7 @@
 /// The group /link of a state file:
 ///
 ///     segments     int64 [L,2,2]    (fibre, index) of each link's two ends
-///     kind         int32 [L]        optional, 0
+///     kind         int32 [L]        optional, 0; its attribute `kinds` names them
 ///     broken       int8 [L]         optional, 0
 ///     rest_length  float64 [L]      optional: as long as it is in the file
 ///     rest_frame   float64 [L,2,4]  optional: unit quaternions from each end's segment to the
@@ -15,6 +15,7 @@
 
 #include "nanoweft/base/hdf5.hpp"
 #include "nanoweft/state/dataset_writer.hpp"
+#include "nanoweft/state/kind_names.hpp"
 #include "nanoweft/state/open_state.hpp"
 #include "nanoweft/state/state.hpp"
 
@@ -35,7 +36,7 @@ LinkRows readLinkRows(const OpenState& file);
 
 /// Gives the state its links once its rows are read, in blocks of rows in their order. Returns what
 /// is wrong, on all ranks alike, or nothing. Collective.
-std::string setLinks(State& state, const LinkRows& rows);
+std::string setLinks(State& state, const LinkRows& rows, const KindNumbers& kinds);
 
 /// Writes the group, or nothing for a state without links; `group` makes it on rank 0. Collective.
 void writeLinks(DatasetWriter& writer, const std::function<h5::Handle()>& group,

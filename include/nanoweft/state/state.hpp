@@ -105,6 +105,7 @@ class State : public SegmentFields {
   double time = 0;
   bool linked = false;  ///< some rank has links
   Links links;
+  std::vector<std::string> linkKinds{""};  ///< names of the kinds of links, as `kinds`
 
  private:
   void acquire();

@@ -42,8 +42,8 @@ struct StateHeader {
   RunRecord run;
   std::string digest;     ///< SHA-256 of the whole file, as sha256sum prints it
   FileIdentity identity;  ///< of the file that was looked at
-  std::vector<std::string>
-      kinds;                    ///< names behind the numbers of /state/kind; empty: none are given
+  /// Names behind the numbers of /state/kind, and of /link/kind; empty: none are given.
+  std::vector<std::string> kinds, linkKinds;
   std::set<std::string> parts;  ///< names of what /state holds: datasets with content, step, time
 };
 

@@ -11,8 +11,6 @@ namespace nanoweft {
 
 inline constexpr const char* stateFormatName = "nanoweft-state";
 inline constexpr std::int64_t stateFormatVersion = 1;
-/// Attribute of /state/kind: the names of the kinds.
-inline constexpr const char* kindsAttribute = "kinds";
 /// Rows of a chunk. Fixed, so that a file does not depend on the number of ranks.
 inline constexpr std::int64_t chunkRows = 16384;
 
