@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "nanoweft/record/energy_table.hpp"
+#include "nanoweft/record/group_table.hpp"
 #include "nanoweft/record/kind_stress_table.hpp"
 #include "nanoweft/record/kind_table.hpp"
 #include "nanoweft/record/snapshot_writer.hpp"
@@ -24,6 +25,7 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   add(makeKindTable(options, c.units, c.kinds, s.monitorInterval));
   add(makeStressTable(options, c.units, c.boundaries, s.monitorInterval));
   add(makeKindStressTable(options, c.units, c.kinds, c.boundaries, s.monitorInterval));
+  add(makeGroupTable(options, c.units, c.boundaries, s.monitorInterval));
   add(makeRelaxation(c));
   add(makeBalance(c));
   add(makeProgress(c));

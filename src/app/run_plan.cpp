@@ -68,15 +68,15 @@ void RunPlan::refuseContradictions() const {
       settings.relaxForce == 0 && !boundaries.tension())
     throw InputError(
         "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance, -relax_force or "
-        "-tension_rate");
+        "-tension_rate or -tension_program");
   if (minimises()) {
     const std::string method = "-relax_method " + settings.stepper->name;
     if (boundaries.tension())
       throw InputError(method + ": a tension test moves the grips; relax first, then pull");
     for (const Boundary& b : boundaries.list())
-      if (norm(b.velocity) > 0)
-        throw InputError(method + ": -" + b.name +
-                         "_velocity keeps the fibres moving, so there is no rest");
+      if (b.moves())
+        throw InputError(method + ": -" + b.name + (b.spin ? "_spin" : "_velocity") +
+                         " keeps the fibres moving, so there is no rest");
   }
   for (const PairForces::Class& c : pairs.classes())
     if (!c.mixed() && breakage[c.first] && c.force->exclude() > mostExcludeWithBreakage) {

@@ -1,6 +1,8 @@
 /// The parts of a run that steppers and observers work on, in one struct of references.
 #pragma once
 
+#include <vector>
+
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
@@ -13,6 +15,7 @@ namespace nanoweft {
 /// this rank.
 struct EnergyAccounts {
   ExactSum damped, external, broken;
+  std::vector<ExactSum> groups;  ///< what each of the boundaries brings in; empty: not booked
 };
 
 struct System {
