@@ -11,6 +11,7 @@ namespace {
 constexpr std::array names{"account_damped", "account_external", "account_broken",
                            "account_friction"};
 constexpr std::size_t always = 3;
+constexpr const char* groupsName = "account_groups";
 
 }  // namespace
 
@@ -22,6 +23,11 @@ void saveAccounts(RunRecord& record, const EnergyAccounts& accounts, MPI_Comm co
     if (k < always || account != std::vector<std::int64_t>(3, 0))
       record.integers[names[k]] = account;
   }
+  if (accounts.groups.empty()) return;
+  std::vector<ExactSum> groups = accounts.groups;
+  ExactSum::reduce(groups.data(), static_cast<int>(groups.size()), comm);
+  auto& integers = record.integers[groupsName];
+  for (const ExactSum& sum : groups) integers.insert(integers.end(), sum.data(), sum.data() + 3);
 }
 
 void restoreAccounts(EnergyAccounts& accounts, const RunRecord& record, int rank) {
@@ -31,6 +37,10 @@ void restoreAccounts(EnergyAccounts& accounts, const RunRecord& record, int rank
     const auto& account = record.needIntegers(names[k], 3);
     if (rank == 0) std::ranges::copy(account, sums[k]->data());
   }
+  if (accounts.groups.empty()) return;
+  const auto& groups = record.needIntegers(groupsName, 3 * accounts.groups.size());
+  for (std::size_t k = 0; rank == 0 && k < accounts.groups.size(); ++k)
+    std::copy_n(groups.begin() + static_cast<std::ptrdiff_t>(3 * k), 3, accounts.groups[k].data());
 }
 
 }  // namespace nanoweft

@@ -14,7 +14,7 @@ class Ends : public Observer {
 
   std::string endReached(const Moment& moment) const override {
     const double strain = tension_ ? tension_->strain(moment.state().time) : 0.0;
-    if (tension_ && strain >= tension_->maxStrain)
+    if (tension_ && tension_->over(moment.state().time))
       return format("had reached a strain of %.4g at step %lld", strain,
                     static_cast<long long>(moment.step()));
     return reached(moment) ? "is at or beyond the end that the options set" : "";
@@ -32,7 +32,7 @@ class Ends : public Observer {
     if (steps_ && s.step >= *steps_) return true;
     // Half a step of slack against round-off in the sum of steps.
     if (time_ && s.time > *time_ - 0.5 * moment.stepper.dt()) return true;
-    return tension_ && tension_->strain(s.time) >= tension_->maxStrain;
+    return tension_ && tension_->over(s.time);
   }
 
   std::optional<long> steps_;

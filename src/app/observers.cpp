@@ -5,6 +5,7 @@
 
 #include "nanoweft/record/box_table.hpp"
 #include "nanoweft/record/energy_table.hpp"
+#include "nanoweft/record/group_table.hpp"
 #include "nanoweft/record/kind_stress_table.hpp"
 #include "nanoweft/record/kind_table.hpp"
 #include "nanoweft/record/snapshot_writer.hpp"
@@ -32,6 +33,7 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   add(makeKindStressTable(options, c.units, c.kinds, c.boundaries, s.monitorInterval));
   add(makeBoxTable(options, c.units, c.boxDrive, s.monitorInterval));
   add(makeWallTable(options, c.units, c.walls, s.monitorInterval));
+  add(makeGroupTable(options, c.units, c.boundaries, s.monitorInterval));
   add(makeRelaxation(c));
   add(makeBalance(c));
   add(makeProgress(c));

@@ -53,8 +53,7 @@ double Progress::stepsLeft(const Moment& moment) const {
   double left = std::numeric_limits<double>::infinity();
   if (settings_.maxSteps) left = static_cast<double>(*settings_.maxSteps - s.step);
   if (settings_.maxTime) left = std::min(left, (*settings_.maxTime - s.time) / dt);
-  if (const auto& t = boundaries_.tension())
-    left = std::min(left, (t->maxStrain - t->strain(s.time)) / (t->rate * dt));
+  if (const auto& t = boundaries_.tension()) left = std::min(left, t->timeLeft(s.time) / dt);
   return left;
 }
 

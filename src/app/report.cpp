@@ -165,10 +165,10 @@ void printTeam(const RunParts& parts) {
 }
 
 void printTension(MPI_Comm comm, const Tension& t, const UnitSystem& units) {
-  PetscPrintf(comm,
-              "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, rate %g 1/%s\n",
+  const std::string course = t.program ? "strain " + t.program->text() : format("rate %g", t.rate);
+  PetscPrintf(comm, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, %s 1/%s\n",
               "xyz"[t.axis], t.gage, units.length, t.width, units.length, t.thickness, units.length,
-              t.rate, units.time);
+              course.c_str(), units.time);
 }
 
 void printStep(const RunParts& parts) {
@@ -299,9 +299,9 @@ void printDampingShare(const RunPlan& plan, const Energies& e) {
   if ((!local && !plan.settings.viscous) || !(e.external > 0)) return;
   const double share = e.damped / e.external;
   PetscPrintf(plan.comm, "damping took %.3g %% of the work of grips and loads\n", 100 * share);
-  const bool moved = plan.boundaries.tension() ||
-                     std::ranges::any_of(plan.boundaries.list(),
-                                         [](const Boundary& b) { return norm(b.velocity) > 0; });
+  const bool moved =
+      plan.boundaries.tension() ||
+      std::ranges::any_of(plan.boundaries.list(), [](const Boundary& b) { return b.moves(); });
   if (local && moved && share > noticedDampingShare)
     PetscPrintf(
         plan.comm,

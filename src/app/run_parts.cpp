@@ -196,17 +196,27 @@ void RunParts::goOn() {
   const RunRecord& record = header ? header->run : empty;
   Boundaries& boundaries = plan->boundaries;
   boundaries.attach(*state, record, plan->checkpoint.has_value());
+  if (boundaries.booksWork()) accounts.groups.resize(boundaries.list().size());
   if (plan->checkpoint) restore(record);
   forces->walls().place(state->time);
   plan->boxDrive.attach(state->box, record, plan->checkpoint.has_value());
-  if (!boundaries.tensionGoesOn()) return;
-  for (const auto& observer : plan->observers) observer->restoreStage(record);
-  const Tension& t = *boundaries.tension();
-  if (t.before >= t.maxStrain && !evaluatesOnly())
+  if (plan->checkpoint) return;
+  if (boundaries.tensionGoesOn())
+    for (const auto& observer : plan->observers) observer->restoreStage(record);
+  if (boundaries.tension() && !evaluatesOnly()) refuseEnded(*boundaries.tension(), record);
+}
+
+void RunParts::refuseEnded(const Tension& t, const RunRecord& record) const {
+  if (!t.over(t.start)) return;
+  if (plan->boundaries.tensionGoesOn())
     throw InputError(
         format("-tension_max_strain %g: the tension test that %s carries has reached a strain of "
                "%g; give a larger one, or start a test of its own with -tension_new",
                t.maxStrain, record.source.c_str(), t.before));
+  throw InputError(
+      format("-tension_max_strain %g: with a rate of %g the strain goes from 0 the "
+             "other way",
+             t.maxStrain, t.rate));
 }
 
 void RunParts::restore(const RunRecord& record) {

@@ -83,6 +83,28 @@ void RunPlan::refuseSharedNames() const {
     for (const Boundary& b : boundaries.list()) differ(b.name, "-bc");
     for (const Wall& w : walls) differ(w.name, "-walls");
   }
+  for (const Wall& w : walls)
+    if (std::ranges::find(boundaries.list(), w.name, &Boundary::name) != boundaries.list().end())
+      throw InputError("-walls " + w.name +
+                       ": a group of -bc has that name, and both have options -" + w.name + "_...");
+}
+
+void RunPlan::refuseForMinimiser() const {
+  const std::string method = "-relax_method " + settings.stepper->name;
+  if (boundaries.tension())
+    throw InputError(method + ": a tension test moves the grips; relax first, then pull");
+  for (const Boundary& b : boundaries.list())
+    if (b.moves())
+      throw InputError(method + ": -" + b.name + (b.spin ? "_spin" : "_velocity") +
+                       " keeps the fibres moving, so there is no rest");
+  for (const Wall& w : walls)
+    if (norm(w.velocity) > 0 || w.spin != 0 || w.driven() || w.friction)
+      throw InputError(method + ": the wall " + w.name + " must stand still, without friction");
+  if (boxDrive) throw InputError(method + ": the box must be held, without -deform_x, _y, _z");
+  if (pairs.rubs())
+    throw InputError(method +
+                     ": it has no friction; leave out -contact_friction and "
+                     "-contact_restitution, or relax without it");
 }
 
 void RunPlan::refuseContradictions() const {
@@ -91,30 +113,10 @@ void RunPlan::refuseContradictions() const {
       settings.relaxForce == 0 && !boundaries.tension())
     throw InputError(
         "the run has no end: give -ts_max_steps, -ts_max_time, -relax_tolerance, -relax_force or "
-        "-tension_rate");
-  for (const Wall& w : walls)
-    if (std::ranges::find(boundaries.list(), w.name, &Boundary::name) != boundaries.list().end())
-      throw InputError("-walls " + w.name +
-                       ": a group of -bc has that name, and both have options -" + w.name + "_...");
+        "-tension_rate or -tension_program");
   if (boxDrive && boundaries.tension())
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
-  if (minimises()) {
-    const std::string method = "-relax_method " + settings.stepper->name;
-    if (boundaries.tension())
-      throw InputError(method + ": a tension test moves the grips; relax first, then pull");
-    for (const Boundary& b : boundaries.list())
-      if (norm(b.velocity) > 0)
-        throw InputError(method + ": -" + b.name +
-                         "_velocity keeps the fibres moving, so there is no rest");
-    for (const Wall& w : walls)
-      if (norm(w.velocity) > 0 || w.spin != 0 || w.driven() || w.friction)
-        throw InputError(method + ": the wall " + w.name + " must stand still, without friction");
-    if (boxDrive) throw InputError(method + ": the box must be held, without -deform_x, _y, _z");
-    if (pairs.rubs())
-      throw InputError(method +
-                       ": it has no friction; leave out -contact_friction and "
-                       "-contact_restitution, or relax without it");
-  }
+  if (minimises()) refuseForMinimiser();
   for (const PairForces::Class& c : pairs.classes())
     if (!c.mixed() && breakage[c.first] && c.force->exclude() > mostExcludeWithBreakage) {
       const std::string& kind = kinds[c.first].kind;

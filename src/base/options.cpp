@@ -91,7 +91,8 @@ bool belongsToPetsc(std::string_view name) {
 
 /// The suffixes of options whose first part is the user's (boundary.cpp).
 constexpr std::string_view boundarySuffixes[] = {"_region",   "_group", "_fix",   "_fix_rotation",
-                                                 "_velocity", "_ramp",  "_force", "_torque"};
+                                                 "_velocity", "_ramp",  "_force", "_torque",
+                                                 "_spin",     "_axis",  "_centre"};
 
 int editDistance(std::string_view a, std::string_view b) {
   std::vector<int> row(b.size() + 1);
@@ -161,7 +162,7 @@ std::string shownReal(double value) {
 
 std::vector<double> parseReals(const std::string& name, const std::string& text, int count) {
   const auto parts = split(text);
-  if (static_cast<int>(parts.size()) != count)
+  if (count > 0 && static_cast<int>(parts.size()) != count)
     throw InputError(format("-%s '%s': expected %d numbers separated by commas", name.c_str(),
                             text.c_str(), count));
   std::vector<double> numbers;

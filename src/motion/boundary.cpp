@@ -11,14 +11,54 @@ namespace nanoweft {
 
 namespace {
 
-constexpr int mostNamed = 12;
-static_assert(firstReservedGroupBit + mostNamed <= leftGripBit);
+/// Each name with a region needs a bit of its own; the grips have the bits above.
+constexpr std::size_t mostRegions = leftGripBit - firstReservedGroupBit;
+
+/// Component c of the motion that it prescribes: a velocity for c < 3, else an angular velocity.
+/// Two that prescribe the same have the same numbers.
+std::array<double, 10> motionOf(const Boundary& b, std::size_t c) {
+  const double velocity[3] = {b.velocity.x, b.velocity.y, b.velocity.z};
+  const double along = c < 3 ? velocity[c] : 0.0, spin = b.spin.value_or(0.0);
+  if (along == 0 && spin == 0) return {};
+  const Vec3d turning = spin * b.axis;
+  const Vec3d centre = spin != 0 && c < 3 ? *b.centre : Vec3d{};
+  return {along,    turning.x, turning.y, turning.z, centre.x,
+          centre.y, centre.z,  b.ramp,    b.start,   b.program ? 1.0 : 0.0};
+}
+
+/// Checks what belongs to a spin.
+void readSpin(Boundary& b, const std::optional<Vec3d>& axis) {
+  const char* name = b.name.c_str();
+  if (!b.spin) throw InputError(format("-%s_axis: there is no -%s_spin about it", name, name));
+  if (!axis || !b.centre)
+    throw InputError(format("-%s_spin: give -%s_axis and -%s_centre", name, name, name));
+  const double size = norm(*axis);
+  if (!(size > 0)) throw InputError(format("-%s_axis: it has no direction", name));
+  b.axis = {axis->x / size, axis->y / size, axis->z / size};
+  const double along[3] = {b.axis.x, b.axis.y, b.axis.z};
+  for (std::size_t d = 0; d < 3; ++d)
+    if (!b.fix[d] && std::abs(along[d]) != 1)
+      throw InputError(format(
+          "-%s_fix: only the component along -%s_axis may be free of a group that spins, not %c",
+          name, name, "xyz"[d]));
+}
+
+bool holds(const Boundary& b, std::size_t c) {
+  return c < 3 ? b.fix[c] : b.fixRotation;
+}
+
+std::string titleOf(const Boundary& b) {
+  if (b.bit == leftGripBit) return "the lower grip of the tension test";
+  return b.bit == rightGripBit ? "the upper grip of the tension test" : b.name;
+}
 
 }  // namespace
 
 Boundaries::Boundaries(Options& options, const UnitSystem& units, const Kinds& kinds,
                        double restDistance) {
   readNamed(options, units);
+  giveBits();
+  booksWork_ = OptionSection(options, "Boundary conditions").as(Role::run).given("group_monitor");
   tension_ = readTension(options, units, kinds, restDistance);
 }
 
@@ -34,11 +74,18 @@ void Boundaries::readNamed(Options& options, const UnitSystem& units) {
   s.document("NAME_fix_rotation", "false", "", "keep the members from rotating");
   s.document("NAME_velocity", "0,0,0", speed.c_str(),
              "prescribed velocity (fixes all components unless NAME_fix says which)");
+  s.document(
+      "NAME_spin", "none", (std::string("1/") + units.time).c_str(),
+      "angular velocity about NAME_axis through NAME_centre: the group turns as a whole (fixes "
+      "all components and the rotation; NAME_fix may leave that along the axis free)");
+  s.document("NAME_axis", "none", "", "direction of NAME_spin");
+  s.document("NAME_centre", "none, or the mean position", units.length,
+             "a point on the axis of NAME_spin, which moves with NAME_velocity; the torque of "
+             "-group_monitor is about it");
   s.document("NAME_force", "0,0,0", units.force, "force on each member");
   s.document("NAME_torque", "0,0,0", units.energy, "torque on each member");
   s.document("NAME_ramp", "0", units.time,
-             "velocity, force and torque grow linearly for this long");
-  if (names.size() > mostNamed) throw InputError(format("-bc: at most %d names", mostNamed));
+             "velocity, spin, force and torque grow linearly for this long");
   for (const std::string& name : names) {
     if (std::ranges::any_of(boundaries_, [&](const Boundary& b) { return b.name == name; }))
       throw InputError("-bc: " + name + " is named twice");
@@ -65,32 +112,60 @@ void Boundaries::readOneNamed(Options& options, const std::string& name) {
   if (b.region.has_value() == group.has_value())
     throw InputError(format("-bc %s: give either -%s_region or -%s_group", name.c_str(),
                             name.c_str(), name.c_str()));
-  b.bit = group ? static_cast<int>(*group)
-                : firstReservedGroupBit + static_cast<int>(boundaries_.size());
+  if (group) b.bit = static_cast<int>(*group);
   auto vector = [&](const char* suffix) {
     const auto v = n.reals(name + suffix, 3, "", "", "");
     return v ? std::optional(Vec3d{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
   };
   const auto fix = n.flags3(name + "_fix", "", "");
   const auto velocity = vector("_velocity"), force = vector("_force"), torque = vector("_torque");
-  b.fix = fix.value_or(velocity ? std::array{true, true, true} : std::array{false, false, false});
-  b.fixRotation = n.flag(name + "_fix_rotation", false, "");
+  const auto axis = vector("_axis");
+  b.centre = vector("_centre");
+  b.spin = n.maybeReal(name + "_spin", "", "", "", {});
+  const bool held = velocity || b.spin;
+  b.fix = fix.value_or(std::array{held, held, held});
+  b.fixRotation = n.flag(name + "_fix_rotation", b.spin.has_value(), "");
+  if (b.spin || axis) readSpin(b, axis);
   b.velocity = velocity.value_or(Vec3d{});
   b.force = force.value_or(Vec3d{});
   b.torque = torque.value_or(Vec3d{});
   b.ramp = n.real(name + "_ramp", 0.0, "", "", nonNegative);
-  const double held[3] = {b.velocity.x, b.velocity.y, b.velocity.z};
+  const double moved[3] = {b.velocity.x, b.velocity.y, b.velocity.z};
   for (std::size_t d = 0; d < 3; ++d)
-    if (held[d] != 0 && !b.fix[d])
+    if (moved[d] != 0 && !b.fix[d])
       throw InputError(
           format("-%s_velocity: its %c component is not zero but -%s_fix does not hold it",
                  name.c_str(), "xyz"[d], name.c_str()));
   if (!b.constrains() && !force && !torque)
     throw InputError(format(
-        "-bc %s: nothing acts on it; give -%s_fix, -%s_fix_rotation, -%s_velocity, -%s_force or "
-        "-%s_torque",
-        name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str()));
+        "-bc %s: nothing acts on it; give -%s_fix, -%s_fix_rotation, -%s_velocity, -%s_spin, "
+        "-%s_force or -%s_torque",
+        name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str(), name.c_str(),
+        name.c_str()));
   boundaries_.push_back(b);
+}
+
+void Boundaries::giveBits() {
+  std::vector<Boundary*> regions;
+  for (Boundary& b : boundaries_)
+    if (b.region) regions.push_back(&b);
+  if (regions.size() > mostRegions)
+    throw InputError(format(
+        "-bc: %zu names have a region, at most %zu may; mark others in /state/group of a state "
+        "file and name them by -NAME_group (bits 0 to %d)",
+        regions.size(), mostRegions, firstReservedGroupBit - 1));
+  // Where there are few names, the bit is that of the place among them.
+  const bool few = boundaries_.size() <= mostRegions;
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    const auto place = few ? regions[k] - boundaries_.data() : static_cast<std::ptrdiff_t>(k);
+    regions[k]->bit = firstReservedGroupBit + static_cast<int>(place);
+  }
+}
+
+Vec3d Boundary::centreAt(double time) const {
+  const double t = time - start;
+  const double way = ramp > 0 && t < ramp ? t * t / (2.0 * ramp) : t - 0.5 * ramp;
+  return *centre + way * velocity;
 }
 
 void Boundaries::attach(State& state, const RunRecord& record, bool restart) {
@@ -103,12 +178,18 @@ void Boundaries::attach(State& state, const RunRecord& record, bool restart) {
     addGrips();
   }
   countMembers(state);
+  refuseConflicts(state);
 }
 
 void Boundaries::attachNamed(State& state, const RunRecord& record, bool restart) {
   // Reserved bits mean what the run that set them says: only a restart or the same test keeps them.
   std::int32_t kept = (1 << firstReservedGroupBit) - 1;
   for (Boundary& b : boundaries_) {
+    const double along[3] = {b.axis.x, b.axis.y, b.axis.z};
+    for (std::size_t d = 0; d < 3; ++d)
+      if (b.spin && state.box.periodic[d] && std::abs(along[d]) != 1)
+        throw InputError(format("-%s_spin: the box is periodic along %c, across -%s_axis",
+                                b.name.c_str(), "xyz"[d], b.name.c_str()));
     b.start = state.time;
     if (!restart) continue;
     b.start = record.needReals("boundary_" + b.name, 2)[1];
@@ -137,10 +218,12 @@ void Boundaries::addGrips() {
     grip.bit = side == 0 ? leftGripBit : rightGripBit;
     grip.fix = {true, true, true};
     grip.fixRotation = true;
-    const double speed = (side == 0 ? -0.5 : 0.5) * tension_->rate * tension_->gage;
+    const double rate = tension_->program ? 1.0 : tension_->rate;
+    const double speed = (side == 0 ? -0.5 : 0.5) * rate * tension_->gage;
     (tension_->axis == 0   ? grip.velocity.x
      : tension_->axis == 1 ? grip.velocity.y
                            : grip.velocity.z) = speed;
+    grip.program = tension_->program;
     grip.ramp = tension_->ramp;
     grip.start = tension_->start;
     boundaries_.push_back(grip);
@@ -166,6 +249,25 @@ void Boundaries::countMembers(const State& state) {
     throw InputError(format("-tension_ends %g,%g: no segment lies in the %s grip",
                             (*tension_->asked.ends)[0], (*tension_->asked.ends)[1], side));
   }
+}
+
+void Boundaries::refuseConflicts(const State& state) const {
+  for (auto a = boundaries_.begin(); a != boundaries_.end(); ++a)
+    for (auto b = a + 1; b != boundaries_.end(); ++b)
+      for (std::size_t c = 0; c < 4; ++c) {
+        if (!holds(*a, c) || !holds(*b, c) || motionOf(*a, c) == motionOf(*b, c)) continue;
+        const std::int32_t both = 1 << a->bit | 1 << b->bit;
+        std::int64_t shared = 0;
+        for (int i = 0; i < state.owned(); ++i) shared += (state.group[i] & both) == both;
+        MPI_Allreduce(MPI_IN_PLACE, &shared, 1, MPI_INT64_T, MPI_SUM, state.comm());
+        if (shared == 0) break;
+        const std::string what = c < 3 ? std::string(1, "xyz"[c]) + " velocity" : "rotation";
+        throw InputError(format(
+            "-bc: %s and %s hold the %s of %lld segment%s in different ways; let each segment be "
+            "held by one of them (-NAME_region, -NAME_fix, -tension_grip)",
+            titleOf(*a).c_str(), titleOf(*b).c_str(), what.c_str(), static_cast<long long>(shared),
+            shared > 1 ? "s" : ""));
+      }
 }
 
 void Boundaries::save(RunRecord& record, double time) const {

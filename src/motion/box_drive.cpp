@@ -10,43 +10,67 @@ namespace nanoweft {
 namespace {
 
 constexpr const char* names[3] = {"x", "y", "z"};
+constexpr const char* topic = "Periodic box";
 
 }  // namespace
 
-BoxDrive::BoxDrive(Options& options, const UnitSystem& units) : unit_(units.gigapascal) {
-  OptionSection s(options, "Periodic box");
+void BoxDrive::Axis::read(Options& options, const UnitSystem& units, const std::string& name) {
+  OptionSection s(options, topic);
   const std::string perTime = std::string("1/") + units.time;
+  const std::string chosen =
+      s.choice(name, "held", {"held", "rate", "program", "stress", "free"},
+               "what happens to the box along this axis; free: as stress with 0");
+  mode = chosen == "held"      ? held
+         : chosen == "rate"    ? BoxDrive::rate
+         : chosen == "program" ? program
+                               : stress;
+  auto of = [&](const char* which) {
+    return OptionSection(options, topic, chosen == which, "-" + name + " is " + chosen);
+  };
+  OptionSection ofRate = of("rate"), ofProgram = of("program");
+  rate = ofRate.real(name + "_rate", 0.0, perTime.c_str(), "its rate of strain");
+  until = ofRate.real(name + "_until", 0.0, "", "strain at which it stops; 0: it does not");
+  target = of("stress").real(name + "_stress", 0.0, "GPa", "the stress to which it is driven");
+  const auto pairs = ofProgram.reals(name + "_program", 0, "none", (", " + perTime).c_str(),
+                                     "strain, rate, strain, rate, ...: legs one after the other");
+  if (mode == BoxDrive::rate && rate == 0)
+    throw InputError("-" + name + " rate: give -" + name + "_rate");
+  if (mode == program && !pairs)
+    throw InputError("-" + name + " program: give -" + name + "_program");
+  if (pairs) {
+    legs.emplace(*pairs, std::nullopt, "-" + name + "_program");
+    legs->begin(0.0, 0.0);
+  }
+  if (until != 0 && (until > 0) != (rate > 0))
+    throw InputError(
+        format("-%s_until %g: the rate %g leads away from it", name.c_str(), until, rate));
+  if (until <= -1) throw InputError(format("-%s_until %g: must be above -1", name.c_str(), until));
+}
+
+double BoxDrive::Axis::nextLength(double length, double start, double time, double dt,
+                                  double grown) const {
+  if (mode == program) return start * (1.0 + legs->strain(time + dt));
+  const double next = length + dt * (mode == BoxDrive::rate ? grown * rate : rate) * start;
+  const double end = (1.0 + until) * start;
+  return until != 0 && (rate > 0 ? next > end : next < end) ? end : next;
+}
+
+BoxDrive::BoxDrive(Options& options, const UnitSystem& units) : unit_(units.gigapascal) {
   bool driven = false;
   for (std::size_t d = 0; d < 3; ++d) {
-    Axis& axis = axes_[d];
-    const std::string name = std::string("deform_") + names[d];
-    const std::string mode =
-        s.choice(name, "held", {"held", "rate", "stress", "free"},
-                 "what happens to the box along this axis; free: as stress with 0");
-    axis.mode = mode == "held" ? held : mode == "rate" ? rate : stress;
-    active_ = active_ || axis.mode != held;
-    driven = driven || axis.mode == stress;
-    OptionSection ofRate(options, "Periodic box", axis.mode == rate, "-" + name + " is " + mode);
-    axis.rate = ofRate.real(name + "_rate", 0.0, perTime.c_str(), "its rate of strain");
-    axis.until = ofRate.real(name + "_until", 0.0, "", "strain at which it stops; 0: it does not");
-    if (axis.mode == rate && axis.rate == 0)
-      throw InputError("-" + name + " rate: give -" + name + "_rate");
-    if (axis.until != 0 && (axis.until > 0) != (axis.rate > 0))
-      throw InputError(format("-%s_until %g: the rate %g leads away from it", name.c_str(),
-                              axis.until, axis.rate));
-    if (axis.until <= -1)
-      throw InputError(format("-%s_until %g: must be above -1", name.c_str(), axis.until));
-    OptionSection ofStress(options, "Periodic box", mode == "stress", "-" + name + " is " + mode);
-    axis.target = ofStress.real(name + "_stress", 0.0, "GPa", "the stress to which it is driven");
+    axes_[d].read(options, units, std::string("deform_") + names[d]);
+    active_ = active_ || axes_[d].mode != held;
+    driven = driven || axes_[d].mode == stress;
   }
-  OptionSection any(options, "Periodic box", active_, "no -deform_x, _y or _z");
+  const std::string perTime = std::string("1/") + units.time;
+  OptionSection any(options, topic, active_, "no -deform_x, _y or _z");
   interval_ =
       any.integer("deform_interval", 20, "steps between measurements of the stress", 1, 1000000);
   ramp_ = any.real("deform_ramp", 0.0, units.time, "rates of strain grow linearly for this long",
                    nonNegative);
   thickness_ = any.real("deform_thickness", 0.0, units.length,
                         "of a sheet, for stresses; 0: that of the box", nonNegative);
-  OptionSection servo(options, "Periodic box", driven, "no direction is driven to a stress");
+  OptionSection servo(options, topic, driven, "no direction is driven to a stress");
   modulus_ = servo.real("deform_modulus", 10.0, "GPa",
                         "the servo strains by the missing stress over this", positive);
   relaxes_ = servo.real("deform_time", 2000.0, units.time, "in this time", positive);
@@ -108,13 +132,10 @@ void BoxDrive::strain(State& state, ForceField& forces, double time, double dt,
   double work = 0;
   for (std::size_t d = 0; d < 3; ++d) {
     const Axis& axis = axes_[d];
-    const double rate = axis.mode == BoxDrive::rate ? grown * axis.rate : axis.rate;
-    if (axis.mode == held || rate == 0) continue;
-    const double length = state.box.length(static_cast<int>(d));
-    double next = length + dt * rate * start_[d];
-    if (const double end = (1.0 + axis.until) * start_[d];
-        axis.until != 0 && (axis.rate > 0 ? next > end : next < end))
-      next = end;
+    if (axis.mode == held) continue;
+    const double length = state.box.length(static_cast<int>(d)),
+                 next = axis.nextLength(length, start_[d], time, dt, grown);
+    if (next == length) continue;
     factor[d] = next / length;
     const double middle = 0.5 * (state.box.lower[d] + state.box.upper[d]);
     state.box.lower[d] = middle - 0.5 * next;

@@ -6,34 +6,71 @@
 
 #include "nanoweft/base/canonical.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/exact_sum.hpp"
 
 namespace nanoweft {
 
 double Tension::strain(double time) const {
+  if (program) return program->strain(time);
   const double t = time - start;
   if (t <= 0) return before;
   return before + (t < ramp ? rate * t * t / (2.0 * ramp) : rate * (t - 0.5 * ramp));
 }
 
+bool Tension::over(double time) const {
+  if (program) return time >= program->end();
+  return rate > 0 ? strain(time) >= maxStrain : strain(time) <= maxStrain;
+}
+
+double Tension::timeLeft(double time) const {
+  return program ? program->end() - time : (maxStrain - strain(time)) / rate;
+}
+
+namespace {
+
+/// What differs between a test with one rate and one with a program.
+void readCourse(Options& options, const OptionSection& section, const UnitSystem& units,
+                Tension& t) {
+  OptionSection s = section;
+  const std::string perTime = std::string("1/") + units.time;
+  const auto legs = s.reals("tension_program", 0, "none", (", " + perTime).c_str(),
+                            "strain,rate,strain,rate,...: goes to each strain at its rate, one "
+                            "after the other; instead of -tension_rate");
+  OptionSection one(options, "Tension test", !legs,
+                    "-tension_program says the rates and where the test ends");
+  const auto rate =
+      one.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(),
+                    "engineering strain rate, below zero to press; turns the test on");
+  if (rate && *rate == 0) throw InputError("-tension_rate 0: nothing would be pulled");
+  t.rate = rate.value_or(2e8 * units.secondsPerTime);
+  const auto ramp =
+      s.maybeReal("tension_ramp", "0.01 strain at full rate", units.time,
+                  "time of constant acceleration at the start, or at both ends of each leg of a "
+                  "program",
+                  nonNegative);
+  t.ramp = ramp.value_or(0.01 / std::abs(t.rate));
+  const auto most = one.as(Role::run).maybeReal("tension_max_strain", "0.5, or -0.5", "",
+                                                "strain at which the run ends",
+                                                Bounds{.lower = -1.0, .openLower = true});
+  t.maxStrain = most.value_or(std::copysign(0.5, t.rate));
+  if (legs) t.program.emplace(*legs, ramp);
+}
+
+}  // namespace
+
 std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Kinds& kinds,
                                    double restDistance) {
   OptionSection ask(options, "Tension test");
-  const bool wanted =
-      ask.given("tension_rate") || ask.given("tension_axis") || ask.given("tension_grip");
+  const bool wanted = ask.given("tension_rate") || ask.given("tension_program") ||
+                      ask.given("tension_axis") || ask.given("tension_grip");
   OptionSection s(options, "Tension test", wanted,
-                  "there is no tension test without -tension_rate");
-  const std::string perTime = std::string("1/") + units.time;
+                  "there is no tension test without -tension_rate or -tension_program");
   Tension t;
   const std::string axis =
       s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
   t.axis = axis[0] - 'x';
   if (s.given("tension_axis")) t.asked.axis = t.axis;
-  t.rate = s.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(),
-                       "engineering strain rate; turns the test on", positive)
-               .value_or(2e8 * units.secondsPerTime);
-  t.ramp = s.maybeReal("tension_ramp", "0.01 strain at full rate", units.time,
-                       "time of constant acceleration at the start", nonNegative)
-               .value_or(0.01 / t.rate);
+  readCourse(options, s, units, t);
   t.asked.grip = s.maybeReal("tension_grip", "10 rf", units.length,
                              "length of each grip, from the ends of the piece inwards", positive);
   t.grip = t.asked.grip.value_or(10.0 * kinds.thickest());
@@ -45,8 +82,6 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
           format("-tension_ends %g,%g: the lower end comes first", (*ends)[0], (*ends)[1]));
   }
   t.ends = t.asked.ends;
-  t.maxStrain =
-      s.as(Role::run).real("tension_max_strain", 0.5, "", "strain at which the run ends", positive);
   t.asked.width = s.maybeReal("tension_width", "measured at the start", units.length,
                               "width of the fabric, for the stress", positive);
   t.width = t.asked.width.value_or(0.0);
@@ -60,10 +95,17 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
       s.flag("tension_new", false,
              "a test of its own, even when the state that the run starts from has been pulled "
              "before");
+  t.lateral = s.flag("tension_lateral", false,
+                     "the lateral strain, in a column of -stress_monitor's table");
   return wanted ? std::optional(t) : std::nullopt;
 }
 
 void Tension::restore(const RunRecord& record) {
+  takeUp(record);
+  if (program) program->begin(start, before);
+}
+
+void Tension::takeUp(const RunRecord& record) {
   const auto& piece = record.needReals("tension", 3);
   start = piece[0];
   gage = piece[1];
@@ -75,12 +117,18 @@ void Tension::restore(const RunRecord& record) {
   thickness = record.needReals("tension_thickness", 1)[0];
   const auto& both = record.needReals("tension_ends", 2);
   ends = {both[0], both[1]};
+  if (lateral && !record.reals.contains("tension_lateral"))
+    throw InputError("-tension_lateral: the tension test that " + record.source +
+                     " carries has been made without it; start a test of its own with "
+                     "-tension_new");
+  if (lateral) spread = record.needReals("tension_lateral", 1)[0];
 }
 
 void Tension::goOn(const RunRecord& record, double time) {
-  restore(record);
+  takeUp(record);
   start = time;
   before = record.needReals("tension_strain", 2)[1];
+  if (program) program->begin(start, before);
   auto contradicted = [&](const char* option, const std::string& own, const std::string& old) {
     throw InputError(format(
         "-%s %s: %s carries a tension test with %s, which goes on; leave the option out, or start "
@@ -107,12 +155,11 @@ void Tension::goOn(const RunRecord& record, double time) {
 void Tension::measure(State& state) {
   if (thickness == 0)
     throw InputError("-tension_thickness: with several kinds of fibre it has no default");
-  const int across = axis == 0 ? 1 : 0;
   // lower and negated upper ends, along and across.
   double extent[4];
   std::fill_n(extent, 4, std::numeric_limits<double>::infinity());
   for (int i = 0; i < state.owned(); ++i) {
-    const double along = state.pose[8 * i + axis], other = state.pose[8 * i + across];
+    const double along = state.pose[8 * i + axis], other = state.pose[8 * i + across()];
     extent[0] = std::min(extent[0], along);
     extent[1] = std::min(extent[1], -along);
     extent[2] = std::min(extent[2], other);
@@ -131,8 +178,8 @@ void Tension::measure(State& state) {
     throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's length of %g",
                             grip, upper - lower));
   if (width == 0) {
-    width = state.box.periodic[static_cast<std::size_t>(across)] ? state.box.length(across)
-                                                                 : -extent[3] - extent[2];
+    width = state.box.periodic[static_cast<std::size_t>(across())] ? state.box.length(across())
+                                                                   : -extent[3] - extent[2];
     if (!(width > 0))
       throw InputError("-tension_width: the piece has no width of its own; give one");
   }
@@ -141,6 +188,40 @@ void Tension::measure(State& state) {
     if (x <= lower + grip) state.group[i] |= 1 << leftGripBit;
     if (x >= upper - grip) state.group[i] |= 1 << rightGripBit;
   }
+  if (program) program->begin(start, before);
+  if (lateral) measureSpread(state);
+}
+
+void Tension::measureSpread(const State& state) {
+  if (state.box.periodic[static_cast<std::size_t>(across())])
+    throw InputError(
+        format("-tension_lateral: the box is periodic along %c, so the width does not change",
+               "xyz"[across()]));
+  spread = spreadAcross(state, *this);
+  if (!(spread > 0))
+    throw InputError(format("-tension_lateral: what lies between the grips has no width along %c",
+                            "xyz"[across()]));
+}
+
+double spreadAcross(const State& state, const Tension& tension) {
+  const auto d = static_cast<std::size_t>(tension.across());
+  const double size =
+      std::max({std::abs(state.box.lower[d]), std::abs(state.box.upper[d]), tension.grip});
+  const SumUnit unit(size), unit2(size * size);
+  auto mean = [&](const SumUnit& grid, auto term) {
+    ExactSum sum;
+    std::int64_t count = 0;
+    for (int i = 0; i < state.owned(); ++i) {
+      if (state.group[i] & (1 << leftGripBit | 1 << rightGripBit)) continue;
+      sum.add(term(state.pose[8 * i + tension.across()]), grid);
+      ++count;
+    }
+    ExactSum::reduce(&sum, 1, state.comm());
+    MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT64_T, MPI_SUM, state.comm());
+    return count > 0 ? sum.value(grid) / static_cast<double>(count) : 0.0;
+  };
+  const double middle = mean(unit, [](double x) { return x; });
+  return std::sqrt(mean(unit2, [&](double x) { return (x - middle) * (x - middle); }));
 }
 
 void Tension::save(RunRecord& record, double time) const {
@@ -150,6 +231,7 @@ void Tension::save(RunRecord& record, double time) const {
   record.reals["tension_grip"] = {grip};
   record.reals["tension_thickness"] = {thickness};
   record.reals["tension_ends"] = {(*ends)[0], (*ends)[1]};
+  if (lateral) record.reals["tension_lateral"] = {spread};
 }
 
 }  // namespace nanoweft

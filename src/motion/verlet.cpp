@@ -12,26 +12,57 @@ namespace nanoweft {
 
 namespace {
 
-/// A boundary's values at the two ends of a half kick.
+/// What a boundary does during a half kick, for the components of velocity and angular velocity.
 struct Action {
   std::int32_t bit;
-  std::array<bool, 3> fix;
-  bool fixRotation;
-  double velocity[3];          // at the end
-  double force[3], torque[3];  // where the forces are evaluated
+  std::array<bool, 6> fix;
+  std::array<double, 6> velocity;  // at the end; of a turning group that of its centre
+  std::array<double, 6> load;      // where the forces are evaluated
+  // A turning group: at r from its centre its velocity is larger by
+  // along e x r + inward e x (e x r), with the axis e.
+  bool turns;
+  Vec3d axis, centre;
+  double along, inward;
+
+  double held(std::size_t c, const State& state, int i) const {
+    if (!turns || c >= 3) return velocity[c];
+    const Vec3d around = cross(axis, state.position(i) - centre);
+    const Vec3d v = along * around + inward * cross(axis, around);
+    return velocity[c] + (c == 0 ? v.x : c == 1 ? v.y : v.z);
+  }
 };
 
-std::vector<Action> actionsAt(const Boundaries& boundaries, double forceTime, double endTime) {
+/// In a half kick from `time` to `time` + h before a drift, or, with h = 0, for one that ends at
+/// `time`.
+Action actionOf(const Boundary& b, double time, double h) {
+  const double v = b.stepFactor(time, h), f = b.factor(time);
+  Action a{
+      1 << b.bit,
+      {b.fix[0], b.fix[1], b.fix[2], b.fixRotation, b.fixRotation, b.fixRotation},
+      {v * b.velocity.x, v * b.velocity.y, v * b.velocity.z},
+      {f * b.force.x, f * b.force.y, f * b.force.z, f * b.torque.x, f * b.torque.y, f * b.torque.z},
+      b.spin.has_value(),
+      {},
+      {},
+      0,
+      0};
+  if (!a.turns) return a;
+  const double w = v * *b.spin;
+  a.axis = b.axis;
+  a.centre = b.centreAt(time);
+  a.velocity[3] = w * b.axis.x, a.velocity[4] = w * b.axis.y, a.velocity[5] = w * b.axis.z;
+  a.along = w;
+  if (h == 0) return a;
+  // The drift is straight and must end on the circle, so it takes the chord.
+  const double s = std::sin(h * w);
+  a.along = std::sin(2.0 * h * w) / (2.0 * h);
+  a.inward = s * s / h;
+  return a;
+}
+
+std::vector<Action> actionsAt(const Boundaries& boundaries, double time, double h) {
   std::vector<Action> actions;
-  for (const Boundary& b : boundaries.list()) {
-    const double v = b.factor(endTime), f = b.factor(forceTime);
-    actions.push_back({1 << b.bit,
-                       b.fix,
-                       b.fixRotation,
-                       {v * b.velocity.x, v * b.velocity.y, v * b.velocity.z},
-                       {f * b.force.x, f * b.force.y, f * b.force.z},
-                       {f * b.torque.x, f * b.torque.y, f * b.torque.z}});
-  }
+  for (const Boundary& b : boundaries.list()) actions.push_back(actionOf(b, time, h));
   return actions;
 }
 
@@ -64,7 +95,8 @@ class Kicker {
         damping_(damping),
         h_(h),
         masses_(system.forces.kinds(), h),
-        unit_(system.forces.energyUnit()) {}
+        unit_(system.forces.energyUnit()),
+        groups_(system.accounts.groups.size()) {}
 
   /// Segments begin <= i < end.
   void operator()(std::int32_t begin, std::int32_t end) {
@@ -81,6 +113,7 @@ class Kicker {
     accounts.damped.merge(dampedLanes_);
     accounts.damped.merge(damped_);
     accounts.external.merge(external_);
+    for (std::size_t k = 0; k < groups_.size(); ++k) accounts.groups[k].merge(groups_[k]);
   }
 
  private:
@@ -129,38 +162,49 @@ class Kicker {
       v += factor * force;
   }
 
+  /// A component c of the motion of a segment, angular for c >= 3, and what the fibres do to it.
+  struct Component {
+    std::size_t c;
+    double& v;
+    double force, viscous, factor, inertia;
+  };
+
   void bounded(std::int32_t i) {
     const auto [mass, inertia, perMass, perInertia] = masses_.of(s_, i);
     for (int c = 0; c < 3; ++c) {
-      double load = 0, couple = 0, held = 0;
-      bool fixed = false, still = false;
-      for (const Action& a : actions_) {
-        if (!(s_.group[i] & a.bit)) continue;
-        load += a.force[c];
-        couple += a.torque[c];
-        still = still || a.fixRotation;
-        if (a.fix[static_cast<std::size_t>(c)]) fixed = true, held = a.velocity[c];
-      }
-      actedOn(s_.velocity[3 * i + c], s_.force[3 * i + c], viscous(i, c), load, fixed, held,
-              perMass, mass);
-      actedOn(s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), couple, still, 0.0,
-              perInertia, inertia);
+      const auto k = static_cast<std::size_t>(c);
+      actedOn(i, {k, s_.velocity[3 * i + c], s_.force[3 * i + c], viscous(i, c), perMass, mass});
+      actedOn(i, {k + 3, s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), perInertia,
+                  inertia});
     }
   }
 
-  void actedOn(double& v, double force, double viscous, double load, bool fixed, double held,
-               double factor, double inertia) {
-    if (fixed) {
-      // The boundary brings in what the held segment gains beyond the work of the forces on it.
-      const double mean = 0.5 * (v + held);
-      external_.add((inertia * (held - v) / h_ * mean - (force + viscous) * mean) * h_, unit_);
-      damped_.add(-viscous * mean * h_, unit_);
-      v = held;
-      return;
+  void actedOn(std::int32_t i, const Component& of) {
+    double load = 0;
+    std::size_t holder = actions_.size();
+    for (std::size_t k = 0; k < actions_.size(); ++k) {
+      if (!(s_.group[i] & actions_[k].bit)) continue;
+      load += actions_[k].load[of.c];
+      if (actions_[k].fix[of.c]) holder = k;
     }
-    const double before = v;
-    damped_.add(damp(v, force + load, viscous, factor, damping_) * h_, unit_);
-    external_.add(load * 0.5 * (before + v) * h_, unit_);
+    if (holder < actions_.size()) return hold(of, actions_[holder].held(of.c, s_, i), holder);
+    const double before = of.v;
+    damped_.add(damp(of.v, of.force + load, of.viscous, of.factor, damping_) * h_, unit_);
+    const double mean = 0.5 * (before + of.v);
+    external_.add(load * mean * h_, unit_);
+    for (std::size_t k = 0; k < groups_.size(); ++k)
+      if (s_.group[i] & actions_[k].bit) groups_[k].add(actions_[k].load[of.c] * mean * h_, unit_);
+  }
+
+  void hold(const Component& of, double held, std::size_t holder) {
+    // The boundary brings in what the held segment gains beyond the work of the forces on it.
+    const double mean = 0.5 * (of.v + held);
+    const double work =
+        (of.inertia * (held - of.v) / h_ * mean - (of.force + of.viscous) * mean) * h_;
+    external_.add(work, unit_);
+    if (!groups_.empty()) groups_[holder].add(work, unit_);
+    damped_.add(-of.viscous * mean * h_, unit_);
+    of.v = held;
   }
 
   State& s_;
@@ -171,6 +215,7 @@ class Kicker {
   SumUnit unit_;
   ExactLanes dampedLanes_;
   ExactSum damped_, external_;
+  std::vector<ExactSum> groups_;  // as EnergyAccounts::groups
 };
 
 /// Moves segments by a whole step and reports whether lists are stale or the motion is unstable.
@@ -265,8 +310,8 @@ DriftReport Verlet::move(System& system) {
   State& state = system.state;
   ForceField& forces = system.forces;
   const double h = 0.5 * dt_;
-  const auto actionsThen = actionsAt(system.boundaries, state.time, state.time);
-  const auto actions = actionsAt(system.boundaries, state.time, state.time + h);
+  const auto actionsThen = actionsAt(system.boundaries, state.time, 0.0);
+  const auto actions = actionsAt(system.boundaries, state.time, h);
   const auto& shares = forces.shares();
   std::vector<DriftReport> reports(shares.size());
   {
@@ -316,7 +361,7 @@ void Verlet::finish(System& system, bool seen) {
   // Runs with viscous damping make each kick at its step.
   owed_ = !seen && !state.viscous;
   if (owed_) return;
-  const auto actions = actionsAt(system.boundaries, state.time, state.time);
+  const auto actions = actionsAt(system.boundaries, state.time, 0.0);
   const auto& shares = system.forces.shares();
   ForcePass pass(system.forces, state, ForcePass::look);
   onShares(shares.size(), [&](std::size_t t) {

@@ -3,6 +3,7 @@
 #include <petscsys.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/record/gage_stress.hpp"
@@ -13,20 +14,26 @@ namespace nanoweft {
 
 namespace {
 
+std::vector<std::string> columnsFor(const Boundaries& boundaries, const UnitSystem& units) {
+  std::vector<std::string> columns{timeColumn(units),  "strain",        "stress_left_GPa",
+                                   "stress_right_GPa", "broken_bonds",  "virial_xx_GPa",
+                                   "virial_yy_GPa",    "virial_zz_GPa", "virial_xy_GPa",
+                                   "virial_xz_GPa",    "virial_yz_GPa"};
+  if (boundaries.tension() && boundaries.tension()->lateral) columns.push_back("lateral_strain");
+  return columns;
+}
+
 class StressTable : public TableObserver {
  public:
   StressTable(Options& options, const UnitSystem& units, const Boundaries& boundaries,
               long interval)
-      : TableObserver(
-            options,
-            {.option = "stress_monitor",
-             .help = "stress of a tension test through a viewer: ascii:FILE.csv, draw",
-             .columns = {timeColumn(units), "strain", "stress_left_GPa", "stress_right_GPa",
-                         "broken_bonds", "virial_xx_GPa", "virial_yy_GPa", "virial_zz_GPa",
-                         "virial_xy_GPa", "virial_xz_GPa", "virial_yz_GPa"},
-             .abscissa = 1,
-             .curves = {2, 3}},
-            interval),
+      : TableObserver(options,
+                      {.option = "stress_monitor",
+                       .help = "stress of a tension test through a viewer: ascii:FILE.csv, draw",
+                       .columns = columnsFor(boundaries, units),
+                       .abscissa = 1,
+                       .curves = {2, 3}},
+                      interval),
         units_(units),
         boundaries_(boundaries) {}
 
@@ -73,12 +80,14 @@ class StressTable : public TableObserver {
                                static_cast<double>(moment.energies->brokenBonds)};
     const auto virial = gageStress(s.state, s.domain, s.forces, tension, units_);
     values.insert(values.end(), virial.begin(), virial.end());
+    if (tension.lateral) values.push_back(spreadAcross(s.state, tension) / tension.spread - 1.0);
     return values;
   }
 
  private:
   void measure(const Moment& moment) {
     grips_ = gripStress(moment.state(), moment.system.forces, *boundaries_.tension(), units_);
+    felt_ = std::max({felt_, std::abs(grips_[0]), std::abs(grips_[1])});
     // The strength must not depend on restarts, so a row that is there only because a run ended
     // between two due steps does not count.
     if (isDue(moment, interval())) strength_ = std::max(strength_, stress());
@@ -89,6 +98,7 @@ class StressTable : public TableObserver {
   const Boundaries& boundaries_;
   std::array<double, 2> grips_{};  ///< stress when last looked at, GPa
   double strength_ = 0;            ///< the largest stress of the whole test
+  double felt_ = 0;                ///< the largest stress or pressure on a grip of this process
 };
 
 void StressTable::summarise(const Moment& moment) const {
@@ -99,7 +109,7 @@ void StressTable::summarise(const Moment& moment) const {
               100 * boundaries_.tension()->strain(moment.state().time), strength,
               static_cast<long long>(moment.energies->brokenBonds));
   // Grips that hold only stray fibres feel nothing but round-off, which is far below 1e-9 GPa.
-  if (strength < 1e-9)
+  if (felt_ < 1e-9)
     PetscPrintf(comm,
                 "warning: the grips have felt no force: nothing joins them (-tension_ends says "
                 "where the piece ends when stray fibres lie beyond)\n");

@@ -48,6 +48,29 @@ TEST(Restart, ViscousDampingAndNamedBoundaries) {
       "-ts_max_steps 150", {"out.h5", "energy.csv"});
 }
 
+TEST(Restart, GroupsThatTurnAndTheirTable) {
+  for (const char* half : {"-ts_max_steps 75", "-ts_max_steps 150"})
+    expectSameInPieces(
+        "-weave_fibres 4,4 -weave_segments 24 -damping_viscous 20 -ts_max_steps 250 -bc left,right "
+        "-left_region -1000,-1000,-1000,10,1000,1000 -left_fix 0,1,1 -left_force -0.02,0,0 "
+        "-right_region 180,-1000,-1000,1000,1000,1000 -right_spin 1e-5 -right_axis 1,0,0 "
+        "-right_centre 0,100,0 -right_velocity 1e-4,0,0 -right_ramp 2000 -group_monitor "
+        "ascii:groups.csv" +
+            energy,
+        half, {"out.h5", "energy.csv", "groups.csv"});
+}
+
+TEST(Restart, TheMiddleOfATensionProgram) {
+  // In a leg, and in the ramp between two.
+  for (const char* half : {"-ts_max_steps 100", "-ts_max_steps 205"})
+    expectSameInPieces(
+        "-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -tension_program "
+        "0.03,1e-5,0.01,1e-5 -tension_ramp 600 -tension_grip 40 -tension_lateral -ts_dt 15 "
+        "-stress_monitor ascii:stress.csv" +
+            energy,
+        half, {"out.h5", "energy.csv", "stress.csv"});
+}
+
 TEST(Restart, ConvergenceIsRemembered) {
   expectSameInPieces(
       "-weave_fibres 2,2 -weave_segments 16 -damping_local 0.7 -relax_tolerance 0.05 "

@@ -106,6 +106,16 @@ TEST(SameBits, TensionWithBreakage) {
       {{1, 2}, {2, 1}, {4, 1}});
 }
 
+TEST(SameBits, GroupsThatTurnAndTheirTable) {
+  expectSameFiles(
+      "-weave_fibres 4,4 -weave_segments 24 -ts_max_steps 150 -bc left,right -left_region "
+      "-1000,-1000,-1000,10,1000,1000 -left_fix 0,1,1 -left_force -0.02,0,0 -right_region "
+      "180,-1000,-1000,1000,1000,1000 -right_spin 1e-5 -right_axis 1,0,0 -right_centre 0,100,0 "
+      "-right_ramp 2000 -group_monitor ascii:groups.csv" +
+          outputs,
+      {"out.h5", "energy.csv", "groups.csv"}, {{1, 2}, {2, 2}, {4, 1}});
+}
+
 TEST(SameBits, ViscousDamping) {
   expectSameFiles(
       "-weave_fibres 4,4 -weave_segments 24 -damping_viscous 20 -damping_viscous_angular 500 "

@@ -1,6 +1,7 @@
 /// The periodic box as a testing machine (model.md 21).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/expect.hpp"
@@ -39,6 +40,21 @@ TEST(Box, AFibreThatIsStrainedWithItFeelsHookesStress) {
     // The work is that of the stress, of second order in the interval of its measurement.
     EXPECT_NEAR(energy.at("external")[k], expected, 1e-4 * (0.2 + expected));
   }
+}
+
+TEST(Box, AProgramComesBackToWhereItBegan) {
+  const Folder folder;
+  const auto outcome =
+      run(folder, through +
+                      "-deform_x program -deform_x_program 0.004,1e-6,-0.002,1e-6,0,1e-6 "
+                      "-ts_max_steps 1000");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto box = readCsv(folder / "box.csv"), energy = readCsv(folder / "energy.csv");
+  EXPECT_NEAR(*std::ranges::max_element(box.at("strain_x")), 0.004, 1e-4);
+  EXPECT_NEAR(*std::ranges::min_element(box.at("strain_x")), -0.002, 1e-4);
+  EXPECT_NEAR(box.at("strain_x").back(), 0, 1e-12);
+  EXPECT_NEAR(box.at("xx_GPa").back(), 0, 1e-12);
+  EXPECT_NEAR(energy.at("external").back(), 0, 1e-4);
 }
 
 TEST(Box, TheServoBringsItToItsStress) {
@@ -99,13 +115,16 @@ TEST(Box, WhatCannotBeMeantIsRefused) {
   const struct {
     std::string options;
     std::vector<std::string> says;
-  } cases[] = {{"-deform_x rate -deform_x_rate 1e-6", {"-deform_x", "open"}},
-               {"-weave_periodic -deform_x rate", {"-deform_x_rate"}},
-               {"-weave_periodic -deform_x_rate 1e-6", {"-deform_x_rate", "held"}},
-               {"-weave_periodic -deform_x rate -deform_x_rate 1e-6 -deform_x_until -0.1",
-                {"-deform_x_until"}},
-               {"-weave_periodic -deform_x free -deform_x_stress 1", {"-deform_x_stress"}},
-               {"-weave_periodic -deform_x free -relax_method fire", {"-deform_x"}}};
+  } cases[] = {
+      {"-deform_x rate -deform_x_rate 1e-6", {"-deform_x", "open"}},
+      {"-weave_periodic -deform_x rate", {"-deform_x_rate"}},
+      {"-weave_periodic -deform_x_rate 1e-6", {"-deform_x_rate", "held"}},
+      {"-weave_periodic -deform_x rate -deform_x_rate 1e-6 -deform_x_until -0.1",
+       {"-deform_x_until"}},
+      {"-weave_periodic -deform_x program", {"-deform_x_program"}},
+      {"-weave_periodic -deform_x program -deform_x_program 0.1", {"-deform_x_program", "odd"}},
+      {"-weave_periodic -deform_x free -deform_x_stress 1", {"-deform_x_stress"}},
+      {"-weave_periodic -deform_x free -relax_method fire", {"-deform_x"}}};
   for (const auto& c : cases) expectRefused(runAlone(folder, weave + c.options), c.says);
 }
 

@@ -23,6 +23,19 @@ const std::string hamaker = "-pair hamaker -hamaker_constant 0.5 -hamaker_gap 3 
 const std::string weave = "-scene weave -weave_fibres 4,4 -weave_segments 24 -ts_max_steps 2 ";
 const std::string fromFile = "-scene file -scene_file in.h5 -ts_max_steps 2 ";
 
+const std::string held = "-bc hold -hold_region -9,-9,-9,9,9,9 ";
+
+/// Options for so many groups of one segment.
+std::string regions(int count) {
+  std::string names, options;
+  for (int k = 0; k < count; ++k) {
+    const std::string name = "g" + std::to_string(k);
+    names += (names.empty() ? "" : ",") + name;
+    options += "-" + name + "_region -1,-1,-1,1,1,1 -" + name + "_fix 1,1,1 ";
+  }
+  return "-bc " + names + " " + options;
+}
+
 /// Every file of the folder but the program's output, with its bytes.
 std::map<std::string, std::string> contents(const Folder& folder) {
   std::map<std::string, std::string> files;
@@ -293,6 +306,58 @@ const std::vector<Case> cases = {
     {"BoundaryWithoutMembers",
      fibre + "-bc hold -hold_fix 1,1,1",
      {"-bc hold", "-hold_region", "-hold_group"}},
+    {"SpinWithoutAxis",
+     fibre + held + "-hold_spin 1e-5 -hold_centre 0,0,0",
+     {"-hold_spin", "-hold_axis", "-hold_centre"}},
+    {"AxisWithoutSpin", fibre + held + "-hold_fix 1,1,1 -hold_axis 1,0,0", {"-hold_axis", "spin"}},
+    {"AxisOfNoDirection",
+     fibre + held + "-hold_spin 1e-5 -hold_centre 0,0,0 -hold_axis 0,0,0",
+     {"-hold_axis", "no direction"}},
+    {"SpinHeldInPart",
+     fibre + held + "-hold_spin 1e-5 -hold_centre 0,0,0 -hold_axis 1,0,0 -hold_fix 1,0,1",
+     {"-hold_fix", "-hold_axis", "not y"}},
+    {"SpinAcrossAPeriodicBox",
+     weave + "-weave_periodic " + held + "-hold_spin 1e-5 -hold_centre 0,0,0 -hold_axis 1,0,0",
+     {"-hold_spin", "periodic along y"}},
+    {"FireWithASpin",
+     fibre + "-relax_method fire " + held + "-hold_spin 1e-5 -hold_centre 0,0,0 -hold_axis 1,0,0",
+     {"-relax_method fire", "-hold_spin", "no rest"}},
+    {"TwoHoldersOfOneSegment",
+     fibre + "-bc a,b -a_region -1,-1,-1,30,1,1 -a_fix 1,1,1 -b_region 20,-1,-1,60,1,1 "
+             "-b_velocity 0,1e-5,0",
+     {"-bc: a and b", "y velocity of 1 segment "}},
+    {"TwoHoldersOfARotation",
+     fibre + "-bc a,b -a_region -1,-1,-1,30,1,1 -a_fix_rotation -b_region 10,-1,-1,60,1,1 "
+             "-b_spin 1e-5 -b_axis 1,0,0 -b_centre 0,0,0",
+     {"-bc: a and b", "rotation of 2 segments"}},
+    {"HolderInAGrip",
+     fibre + held + "-hold_fix 1,0,0 -tension_rate 1e-6 -tension_grip 20 -tension_width 10",
+     {"-bc: hold and the lower grip", "x velocity of 1 segment "}},
+    {"ManyRegions", fibre + regions(13), {"-bc: 13 names", "at most 12", "-NAME_group"}},
+    {"GroupTableWithoutGroups", fibre + "-group_monitor ascii:g.csv", {"-group_monitor", "-bc"}},
+    {"OddProgram", fibre + "-tension_program 0.02,1e-6,0.01", {"-tension_program", "pairs", "odd"}},
+    {"ProgramWithARateBelowZero",
+     fibre + "-tension_program 0.02,1e-6,0,-1e-6",
+     {"-tension_program", "rate -1e-06", "positive"}},
+    {"ProgramBeyondTheGrips",
+     fibre + "-tension_program -1,1e-6",
+     {"-tension_program", "strain -1"}},
+    {"ProgramThatStands",
+     fibre + "-tension_program 0.02,1e-6,0.02,1e-7",
+     {"-tension_program", "strain 0.02 twice"}},
+    {"ProgramAndRate",
+     fibre + "-tension_program 0.02,1e-6 -tension_rate 1e-6",
+     {"-tension_rate", "not used", "-tension_program"}},
+    {"ProgramAndEnd",
+     fibre + "-tension_program 0.02,1e-6 -tension_max_strain 0.1",
+     {"-tension_max_strain", "not used", "-tension_program"}},
+    {"NoRate", fibre + "-tension_rate 0", {"-tension_rate 0"}},
+    {"EndThatIsNeverReached",
+     fibre + "-tension_rate -1e-6 -tension_max_strain 0.1 -tension_grip 20 -tension_width 10",
+     {"-tension_max_strain 0.1", "-1e-06", "other way"}},
+    {"LateralStrainOfALine",
+     fibre + "-tension_rate 1e-6 -tension_grip 20 -tension_width 10 -tension_lateral",
+     {"-tension_lateral", "no width along y"}},
     {"TensionEnds",
      fibre + "-tension_rate 1e-6 -tension_ends 100,20",
      {"-tension_ends 100,20", "lower end"}},

@@ -58,6 +58,8 @@ struct RunParts {
   /// Takes up what the checkpoint, or an earlier stage, says.
   void goOn();
   void restore(const RunRecord& record);
+  /// Throws InputError for a tension test that is at its end when it begins.
+  void refuseEnded(const Tension& tension, const RunRecord& record) const;
   void share();
   /// Refuses a start whose bonds are far from rest, or keeps a warning for the header.
   void checkStart();

@@ -64,6 +64,7 @@ struct RunPlan {
  private:
   void readBox(Options& options);
   void refuseContradictions() const;
+  void refuseForMinimiser() const;
   /// Prefixes of options must tell what they belong to.
   void refuseSharedNames() const;
   bool seeNewStep(const Options& options) const;

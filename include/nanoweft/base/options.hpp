@@ -157,6 +157,7 @@ class OptionSection {
   std::vector<std::string> choices(const std::string& name,
                                    const std::vector<std::string>& fallback,
                                    const std::vector<std::string>& choices, const char* help);
+  /// `count` numbers; 0: any number of them.
   std::optional<std::vector<double>> reals(const std::string& name, int count, const char* shown,
                                            const char* unit, const char* help);
   std::optional<std::array<bool, 3>> flags3(const std::string& name, const char* shown,

@@ -1,7 +1,7 @@
 /// The periodic box as a testing machine (model.md 21): each periodic direction is held, strained
-/// at a rate, or driven by a servo to a stress. The segments' centres go with the box, their
-/// velocities against it (v -> v/lambda), so that its work is the stress times the change of
-/// strain.
+/// at a rate or by a program, or driven by a servo to a stress. The segments' centres go with the
+/// box, their velocities against it (v -> v/lambda), so that its work is the stress times the
+/// change of strain.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/force/force_field.hpp"
+#include "nanoweft/motion/strain_program.hpp"
 #include "nanoweft/state/state_file.hpp"
 
 namespace nanoweft {
@@ -41,12 +42,17 @@ class BoxDrive {
   double volume(const Box& box) const;
 
  private:
-  enum Mode { held, rate, stress };
+  enum Mode { held, rate, program, stress };
   struct Axis {
     Mode mode = held;
     double rate = 0;    ///< of the engineering strain
     double target = 0;  ///< stress, GPa
     double until = 0;   ///< strain at which it stops; 0: it does not
+    std::optional<StrainProgram> legs;
+
+    void read(Options& options, const UnitSystem& units, const std::string& name);
+    /// The box's length after a step; `grown`: how far the ramp is.
+    double nextLength(double length, double start, double time, double dt, double grown) const;
   };
 
   double unit_;  ///< GPa in internal units

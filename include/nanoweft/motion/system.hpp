@@ -1,6 +1,8 @@
 /// The parts of a run that steppers and observers work on, in one struct of references.
 #pragma once
 
+#include <vector>
+
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
@@ -14,6 +16,7 @@ namespace nanoweft {
 struct EnergyAccounts {
   ExactSum damped, external, broken;
   ExactSum friction;
+  std::vector<ExactSum> groups;  ///< what each of the boundaries brings in; empty: not booked
 };
 
 struct System {

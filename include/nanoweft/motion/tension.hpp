@@ -1,4 +1,4 @@
-/// The tension test (model.md 8): two grips that move apart along an axis.
+/// The tension test (model.md 8 and 16): two grips that move apart, or together, along an axis.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/motion/strain_program.hpp"
 #include "nanoweft/state/state.hpp"
 #include "nanoweft/state/state_file.hpp"
 
@@ -17,18 +18,28 @@ inline constexpr int leftGripBit = 28, rightGripBit = 29;
 
 struct Tension {
   int axis = 0;
-  double rate = 0, ramp = 0, grip = 0;
+  double rate = 0, ramp = 0;  ///< the rate's sign says which way; not used with a program
+  std::optional<StrainProgram> program;
+  double grip = 0;
   std::optional<std::array<double, 2>> ends;  ///< of the piece; empty: its outermost segments
-  double maxStrain = 0;
-  double width = 0;      ///< of the fabric at the start; 0: measured
-  double thickness = 0;  ///< for the stress; 0: not known
-  double gage = 0;       ///< distance between the grips at the start
-  double start = 0;      ///< time of the start of this stage
-  double before = 0;     ///< strain at that time, reached in earlier stages
+  double maxStrain = 0;                       ///< where the test ends; not used with a program
+  double width = 0;                           ///< of the fabric at the start; 0: measured
+  double thickness = 0;                       ///< for the stress; 0: not known
+  double gage = 0;                            ///< distance between the grips at the start
+  double start = 0;                           ///< time of the start of this stage
+  double before = 0;                          ///< strain at that time, reached in earlier stages
   bool fresh = false;    ///< a test of its own, whatever the state has gone through
+  bool lateral = false;  ///< the lateral strain is wanted
+  double spread = 0;     ///< spreadAcross at the start, where that is wanted
 
+  /// Direction of the width: y in a test along x, else x.
+  int across() const { return axis == 0 ? 1 : 0; }
   /// Engineering strain at `time`: what was before, and the integral of the ramped velocity.
   double strain(double time) const;
+  /// Has the test come to its end?
+  bool over(double time) const;
+  /// Time until then.
+  double timeLeft(double time) const;
 
   /// What the options say; empty where they are not given.
   struct Asked {
@@ -47,7 +58,15 @@ struct Tension {
   void goOn(const RunRecord& record, double time);
   /// Writes down what `restore` and `goOn` need; `time` is the present.
   void save(RunRecord& record, double time) const;
+
+ private:
+  void takeUp(const RunRecord& record);
+  void measureSpread(const State& state);
 };
+
+/// Root mean square distance, across the pull, of the segments that no grip holds from their mean.
+/// Collective.
+double spreadAcross(const State& state, const Tension& tension);
 
 /// Empty when the options ask for none. `restDistance` of two fibres of the first kind that touch:
 /// default of the sheet's thickness, which several kinds do not have.

@@ -3,6 +3,9 @@
 /// A step is: half kick, drift, [forces], half kick. Damping acts in each half kick on the force
 /// and velocity of that moment, so positions and velocities are all that a restart needs.
 ///
+/// A held segment has the prescribed velocity at the end of a step and, for the drift, the one that
+/// takes it there: on a circle about the axis of a spin, the chord of the step.
+///
 /// Each half kick books its work: the force times the mean of the velocities before and after the
 /// kick times dt/2 is exactly the kinetic energy that it adds. So kinetic + potential + damped +
 /// broken - external drifts with Verlet's own error alone.
