@@ -47,7 +47,7 @@ TEST(Box, AProgramComesBackToWhereItBegan) {
   const auto outcome =
       run(folder, through +
                       "-deform_x program -deform_x_program 0.004,1e-6,-0.002,1e-6,0,1e-6 "
-                      "-ts_max_steps 1000");
+                      "-ts_max_steps 2000");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto box = readCsv(folder / "box.csv"), energy = readCsv(folder / "energy.csv");
   EXPECT_NEAR(*std::ranges::max_element(box.at("strain_x")), 0.004, 1e-4);
