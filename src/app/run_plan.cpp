@@ -91,6 +91,12 @@ void RunPlan::refuseContradictions() const {
                        ": it has no friction; leave out -contact_friction and "
                        "-contact_restitution, or relax without it");
   }
+  if (settings.thermostat && settings.thermostat->kelvin > 0 &&
+      (settings.relaxTolerance > 0 || settings.relaxForce > 0))
+    throw InputError(
+        format("-temperature %g: there is no rest to end at; leave out -relax_tolerance and "
+               "-relax_force, or cool with -temperature 0",
+               settings.thermostat->kelvin));
   for (const PairForces::Class& c : pairs.classes())
     if (!c.mixed() && breakage[c.first] && c.force->exclude() > mostExcludeWithBreakage) {
       const std::string& kind = kinds[c.first].kind;
