@@ -50,6 +50,7 @@ class Run {
     double damped = 0;    ///< taken out by damping, since the start
     double external = 0;  ///< brought in by grips and loads, since the start
     double broken = 0;    ///< taken out with bonds that broke, since the start
+    double heat = 0;      ///< brought in by the thermostat, since the start
     std::int64_t brokenBonds = 0;
 
     double elastic() const { return stretch + shear + bending + torsion; }

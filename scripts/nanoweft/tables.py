@@ -63,7 +63,8 @@ class Table:
     @property
     def balance(self) -> Array:
         """What would be constant if time steps had no error."""
-        return np.asarray(self["total"] + self["damped"] + self["broken"] - self["external"])
+        balance = self["total"] + self["damped"] + self["broken"] - self["external"]
+        return np.asarray(balance - self["heat"] if "heat" in self else balance)
 
     @property
     def options(self) -> list[str]:

@@ -15,9 +15,12 @@ constexpr long interval = 100;
 class EnergyWatch : public Observer {
  public:
   explicit EnergyWatch(const ObserverContext& context)
-      : units_(context.units), alarm_(context.settings.energyAlarm) {}
+      : units_(context.units),
+        alarm_(context.settings.energyAlarm),
+        thermostat_(context.settings.thermostat) {}
 
   void begin(const Moment& moment) override {
+    began_ = moment.state().time;
     if (!std::isfinite(moment.energies->balance()))
       throw RunError(
           "the energy of the first state is not a finite number: check the fibre's parameters and "
@@ -28,9 +31,19 @@ class EnergyWatch : public Observer {
   }
   void observe(const Moment& moment) override;
 
+  /// What a thermostat has brought in while it took as much out: kT/2 in each component of
+  /// velocity and spin, 2 gamma times a unit of time.
+  double turnedOver(const Moment& moment) const {
+    if (!thermostat_) return 0;
+    return 6.0 * thermostat_->thermal * thermostat_->damping * (moment.state().time - began_) *
+           static_cast<double>(moment.state().total());
+  }
+
  private:
   const UnitSystem& units_;
   double alarm_;
+  std::optional<Thermostat> thermostat_;
+  double began_ = 0;
   double available_ = 0;  ///< most energy so far that could turn into motion
 };
 
@@ -41,10 +54,11 @@ void EnergyWatch::observe(const Moment& moment) {
   if (alarm_ == 0) return;
   // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
   // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
-  // motion that made it is over. The last term keeps round-off of a scene at rest from an alarm.
+  // motion that made it is over; a thermostat makes new motion all the time. The last term keeps
+  // round-off of a scene at rest from an alarm.
   available_ = std::max(available_, first.elastic() + first.kinetic + first.rotational +
                                         std::abs(e.external - first.external) +
-                                        std::abs(e.pair - first.pair) +
+                                        std::abs(e.pair - first.pair) + turnedOver(moment) +
                                         1e-9 * moment.system.forces.kinds().energyScale() *
                                             static_cast<double>(moment.state().total()));
   const double risen = e.balance() - first.balance();

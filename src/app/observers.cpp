@@ -27,7 +27,8 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   const bool rubs = c.pairs.rubs() || std::ranges::any_of(c.walls, [](const Wall& w) {
                       return static_cast<bool>(w.friction);
                     });
-  add(makeEnergyTable(options, c.units, {rubs, !c.walls.empty()}, s.monitorInterval));
+  add(makeEnergyTable(options, c.units, {rubs, !c.walls.empty(), s.thermostat.has_value()},
+                      s.monitorInterval));
   add(makeKindTable(options, c.units, c.kinds, s.monitorInterval));
   add(makeStressTable(options, c.units, c.boundaries, s.monitorInterval));
   add(makeKindStressTable(options, c.units, c.kinds, c.boundaries, s.monitorInterval));

@@ -171,6 +171,20 @@ void printTension(MPI_Comm comm, const Tension& t, const UnitSystem& units) {
               course.c_str(), units.time);
 }
 
+void printThermostat(const RunPlan& plan) {
+  const Thermostat& t = *plan.settings.thermostat;
+  const std::string text =
+      format("  temperature %g K by Langevin's equation, damping %g 1/%s%s, seed %llu\n", t.kelvin,
+             t.damping, plan.units.time, t.drawsStart ? ", velocities drawn at the start" : "",
+             static_cast<unsigned long long>(t.seed));
+  PetscPrintf(plan.comm, "%s", text.c_str());
+  if (t.kelvin > 0 && (plan.settings.damping > 0 || plan.settings.viscous || plan.kinds.viscous()))
+    PetscPrintf(plan.comm,
+                "  warning: other damping takes heat out beside the thermostat, so that the fibres "
+                "stay colder than %g K\n",
+                t.kelvin);
+}
+
 void printStep(const RunParts& parts) {
   const RunPlan& plan = *parts.plan;
   const Stepper& stepper = *parts.stepper;
@@ -227,6 +241,7 @@ void printHeader(const RunParts& parts, const Moment& start) {
     if (const auto& law = plan.breakage[k]) printBreakage(plan.comm, *law, plan.kinds[k], units);
   if (parts.state->linked) printLinks(parts);
   if (tension) printTension(plan.comm, *tension, units);
+  if (plan.settings.thermostat) printThermostat(plan);
   printStep(parts);
   if (plan.boundaries.tensionGoesOn())
     PetscPrintf(
@@ -319,10 +334,12 @@ void printSummary(const RunParts& parts, const Moment& end, const Clock& clock) 
   printEnd(parts, end);
   if (end.step() == clock.step) return;
   printSpeed(parts, end, clock);
+  const bool heated = plan.settings.thermostat.has_value();
   PetscPrintf(plan.comm,
-              "energy balance: total + damped + broken - external drifted by %.3g %s (damped %.6g, "
-              "external %.6g, broken %.6g)\n",
-              e.balance() - end.first.balance(), plan.units.energy, e.damped, e.external, e.broken);
+              "energy balance: total + damped + broken - external%s drifted by %.3g %s (damped "
+              "%.6g, external %.6g, broken %.6g%s)\n",
+              heated ? " - heat" : "", e.balance() - end.first.balance(), plan.units.energy,
+              e.damped, e.external, e.broken, heated ? format(", heat %.6g", e.heat).c_str() : "");
   printDampingShare(plan, e);
   if (parts.limits.lowest < parts.limits.first)
     PetscPrintf(plan.comm, "stable step: %.4g %s at the start, %.4g at the lowest\n",

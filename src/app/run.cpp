@@ -149,8 +149,8 @@ std::int64_t Run::total() const {
 
 Run::Energies Run::energies() const {
   const nanoweft::Energies& e = implementation_->energies();
-  return {e.stretch,    e.shear,  e.bending,  e.torsion, e.pair,       e.kinetic,
-          e.rotational, e.damped, e.external, e.broken,  e.brokenBonds};
+  return {e.stretch,    e.shear,  e.bending,  e.torsion, e.pair, e.kinetic,
+          e.rotational, e.damped, e.external, e.broken,  e.heat, e.brokenBonds};
 }
 
 std::vector<Run::Segment> Run::segments() const {

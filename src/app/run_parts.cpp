@@ -200,6 +200,8 @@ void RunParts::goOn() {
   if (plan->checkpoint) restore(record);
   forces->walls().place(state->time);
   plan->boxDrive.attach(state->box, record, plan->checkpoint.has_value());
+  if (const auto& t = plan->settings.thermostat; t && t->drawsStart && !plan->checkpoint)
+    drawVelocities(*state, plan->kinds, boundaries, *t);
   if (plan->checkpoint) return;
   if (boundaries.tensionGoesOn())
     for (const auto& observer : plan->observers) observer->restoreStage(record);
@@ -228,7 +230,7 @@ void RunParts::restore(const RunRecord& record) {
   if (plan->checkpoint->units != plan->units.name)
     throw InputError(format("-restart %s: it is in units %s, its options in %s", file.c_str(),
                             plan->checkpoint->units.c_str(), plan->units.name.c_str()));
-  restoreAccounts(accounts, record, state->rank());
+  restoreAccounts(accounts, record, plan->settings.thermostat.has_value(), state->rank());
   forces->walls().restore(record, state->rank());
   for (const auto& observer : plan->observers) observer->restore(record);
 }
@@ -291,7 +293,7 @@ void RunParts::chooseStep() {
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
                "that (or -ts_dt_unsafe)",
                dt, limits.present, plan->units.time));
-  stepper = settings.stepper->make(plan->kinds, dt, settings.damping);
+  stepper = settings.stepper->make(plan->kinds, {dt, settings.damping, settings.thermostat});
   if (!plan->checkpoint) return;
   stepper->restore(plan->checkpoint->run);
   if (!plan->stepIsNew) return;

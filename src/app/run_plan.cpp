@@ -117,6 +117,12 @@ void RunPlan::refuseContradictions() const {
   if (boxDrive && boundaries.tension())
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   if (minimises()) refuseForMinimiser();
+  if (settings.thermostat && settings.thermostat->kelvin > 0 &&
+      (settings.relaxTolerance > 0 || settings.relaxForce > 0))
+    throw InputError(
+        format("-temperature %g: there is no rest to end at; leave out -relax_tolerance and "
+               "-relax_force, or cool with -temperature 0",
+               settings.thermostat->kelvin));
   for (const PairForces::Class& c : pairs.classes())
     if (!c.mixed() && breakage[c.first] && c.force->exclude() > mostExcludeWithBreakage) {
       const std::string& kind = kinds[c.first].kind;

@@ -179,6 +179,9 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
                 "start even though bonds are so far from rest that it can hardly be meant");
 
   readDamping(options, units, pairs, r);
+  r.thermostat = readThermostat(
+      options, units, r.seed,
+      r.stepper->minimises ? "-relax_method " + r.stepper->name + " seeks rest" : "");
   OptionSection pair = OptionSection(options, "Pair forces", pairs, "-pair is none").as(Role::run);
   r.skin = pair.maybeReal("pair_skin", "tuned while running", units.length,
                           "margin of the pair list", positive)

@@ -232,7 +232,8 @@ RunRecord Simulation::stageRecord(const char* purpose) const {
 
 RunRecord Simulation::fullRecord(const char* purpose) const {
   RunRecord record = stageRecord(purpose);
-  saveAccounts(record, system_.accounts, system_.state.comm());
+  saveAccounts(record, system_.accounts, parts_->plan->settings.thermostat.has_value(),
+               system_.state.comm());
   record.reals["time_step"] = {parts_->stepper->dt()};
   if (parts_->defaultStep) record.reals["default_step"] = {*parts_->defaultStep};
   parts_->stepper->save(record);

@@ -8,12 +8,12 @@ namespace nanoweft {
 const std::vector<StepperKind>& stepperKinds() {
   static const std::vector<StepperKind> kinds{
       {"dynamics", "dynamics", false,
-       [](const Kinds&, double dt, double localDamping) -> std::unique_ptr<Stepper> {
-         return std::make_unique<Verlet>(dt, localDamping);
+       [](const Kinds&, const StepperSettings& s) -> std::unique_ptr<Stepper> {
+         return std::make_unique<Verlet>(s.dt, s.localDamping, s.thermostat);
        }},
       {"fire", "FIRE", true,
-       [](const Kinds& kinds, double dt, double) -> std::unique_ptr<Stepper> {
-         return std::make_unique<Fire>(kinds, dt);
+       [](const Kinds& kinds, const StepperSettings& s) -> std::unique_ptr<Stepper> {
+         return std::make_unique<Fire>(kinds, s.dt);
        }},
   };
   return kinds;

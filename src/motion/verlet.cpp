@@ -304,6 +304,14 @@ void inGroups(Share share, const Work& work) {
     work(begin, std::min(begin + laneCount, share.end));
 }
 
+std::optional<HeatBath> makeBath(System& system, const std::optional<Thermostat>& thermostat,
+                                 double dt, HeatBath::Half half) {
+  if (!thermostat) return std::nullopt;
+  return HeatBath(
+      system.state, system.forces.kinds(), system.boundaries,
+      {*thermostat, std::exp(-0.5 * dt * thermostat->damping), half, system.forces.energyUnit()});
+}
+
 }  // namespace
 
 DriftReport Verlet::move(System& system) {
@@ -320,6 +328,7 @@ DriftReport Verlet::move(System& system) {
       Kicker second(system, actionsThen, damping_, h);
       Kicker first(system, actions, damping_, h);
       Drifter drift(state, forces, dt_);
+      auto bath = makeBath(system, thermostat_, dt_, HeatBath::first);
       // Segments of a chunk, so few that they still are in the cache when their bonds follow.
       constexpr std::int32_t stretch = 64 * laneCount;
       for (Share part{shares[t].begin, 0}; part.begin < shares[t].end; part.begin = part.end) {
@@ -329,6 +338,7 @@ DriftReport Verlet::move(System& system) {
             pass.handOver(begin, end);
             second(begin, end);
           }
+          if (bath) (*bath)(begin, end);
           first(begin, end);
           // The bonds of the new positions and the next evaluation add to zero.
           std::fill(state.force + 3 * begin, state.force + 3 * end, 0.0);
@@ -342,6 +352,7 @@ DriftReport Verlet::move(System& system) {
       {
         second.close(system.accounts);
         first.close(system.accounts);
+        if (bath) bath->close(system.accounts);
       }
     });
   }
@@ -358,20 +369,25 @@ DriftReport Verlet::move(System& system) {
 
 void Verlet::finish(System& system, bool seen) {
   State& state = system.state;
-  // Runs with viscous damping make each kick at its step.
-  owed_ = !seen && !state.viscous;
+  // Runs with viscous damping or a thermostat end each step at its step.
+  owed_ = !seen && !state.viscous && !thermostat_;
   if (owed_) return;
   const auto actions = actionsAt(system.boundaries, state.time, 0.0);
   const auto& shares = system.forces.shares();
   ForcePass pass(system.forces, state, ForcePass::look);
   onShares(shares.size(), [&](std::size_t t) {
     Kicker kick(system, actions, damping_, 0.5 * dt_);
+    auto bath = makeBath(system, thermostat_, dt_, HeatBath::second);
     inGroups(shares[t], [&](std::int32_t begin, std::int32_t end) {
       pass.handOver(begin, end);
       kick(begin, end);
+      if (bath) (*bath)(begin, end);
     });
 #pragma omp critical
-    kick.close(system.accounts);
+    {
+      kick.close(system.accounts);
+      if (bath) bath->close(system.accounts);
+    }
   });
 }
 

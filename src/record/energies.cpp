@@ -5,10 +5,20 @@ namespace nanoweft {
 Energies sumEnergies(const State& state, const ForceField& forces, const ForceOutcome& outcome,
                      const EnergyAccounts& accounts) {
   const SumUnit& unit = forces.energyUnit();
-  constexpr int count = 12;
-  ExactSum sums[count] = {
-      outcome.stretch, outcome.shear,     outcome.bending, outcome.torsion,   outcome.pair, {}, {},
-      accounts.damped, accounts.external, accounts.broken, accounts.friction, outcome.wall};
+  constexpr int count = 13;
+  ExactSum sums[count] = {outcome.stretch,
+                          outcome.shear,
+                          outcome.bending,
+                          outcome.torsion,
+                          outcome.pair,
+                          {},
+                          {},
+                          accounts.damped,
+                          accounts.external,
+                          accounts.broken,
+                          accounts.friction,
+                          outcome.wall,
+                          accounts.heat};
   std::int64_t brokenBonds = 0;
   for (int i = 0; i < state.owned(); ++i) {
     const double* v = state.velocity + 3 * i;
@@ -24,9 +34,9 @@ Energies sumEnergies(const State& state, const ForceField& forces, const ForceOu
   ExactSum::reduce(sums, count, state.comm());
   MPI_Allreduce(MPI_IN_PLACE, &brokenBonds, 1, MPI_INT64_T, MPI_SUM, state.comm());
   Energies e;
-  double* const values[count] = {&e.stretch,  &e.shear,   &e.bending,    &e.torsion,
-                                 &e.pair,     &e.kinetic, &e.rotational, &e.damped,
-                                 &e.external, &e.broken,  &e.friction,   &e.walls};
+  double* const values[count] = {&e.stretch,  &e.shear,      &e.bending, &e.torsion,  &e.pair,
+                                 &e.kinetic,  &e.rotational, &e.damped,  &e.external, &e.broken,
+                                 &e.friction, &e.walls,      &e.heat};
   for (int k = 0; k < count; ++k) *values[k] = sums[k].value(unit);
   e.walls += forces.walls().kinetic();
   // Steppers book all that viscous forces take out.

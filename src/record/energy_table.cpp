@@ -13,6 +13,7 @@ std::vector<std::string> columnsFor(const UnitSystem& units, const ExtraEnergies
                                    "total",           "damped",  "external", "broken"};
   if (extras.friction) columns.push_back("friction");
   if (extras.walls) columns.push_back("walls");
+  if (extras.heat) columns.push_back("heat");
   return columns;
 }
 
@@ -36,6 +37,7 @@ class EnergyTable : public TableObserver {
                             e.total(),           e.damped,  e.external, e.broken};
     if (extras_.friction) row.push_back(e.friction);
     if (extras_.walls) row.push_back(e.walls);
+    if (extras_.heat) row.push_back(e.heat);
     return row;
   }
 

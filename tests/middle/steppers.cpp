@@ -41,8 +41,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, SteppersOf, testing::Values("dynamics", "fire"))
 
 TEST_P(SteppersOf, AreNotDisturbedByWhoLooks) {
   Tubes watched, alone;
-  const auto one = kindOf(GetParam()).make(watched.fibre, 10, 0.1),
-             other = kindOf(GetParam()).make(alone.fibre, 10, 0.1);
+  const auto one = kindOf(GetParam()).make(watched.fibre, {10, 0.1}),
+             other = kindOf(GetParam()).make(alone.fibre, {10, 0.1});
   for (Tubes* tubes : {&watched, &alone}) tubes->evaluate();
   go(watched, *one, 40, true);
   go(alone, *other, 40, false);
@@ -56,7 +56,7 @@ TEST_P(SteppersOf, AreNotDisturbedByWhoLooks) {
 
 TEST_P(SteppersOf, KeepTheBooksOfTheirEnergy) {
   Tubes tubes;
-  const auto stepper = kindOf(GetParam()).make(tubes.fibre, 5, 0.2);
+  const auto stepper = kindOf(GetParam()).make(tubes.fibre, {5, 0.2});
   const Energies first = energiesOf(tubes);
   go(tubes, *stepper, 200, false);
   const Energies last = energiesOf(tubes);
@@ -68,7 +68,7 @@ TEST_P(SteppersOf, KeepTheBooksOfTheirEnergy) {
 TEST(Dynamics, ErrsInItsEnergyBySecondOrder) {
   auto error = [](double dt, int steps) {
     Tubes tubes;
-    const auto stepper = kindOf("dynamics").make(tubes.fibre, dt, 0.0);
+    const auto stepper = kindOf("dynamics").make(tubes.fibre, {dt, 0.0});
     const Energies first = energiesOf(tubes);
     go(tubes, *stepper, steps, false);
     const Energies last = energiesOf(tubes);
@@ -84,7 +84,7 @@ TEST(Dynamics, ErrsInItsEnergyBySecondOrder) {
 
 TEST(Fire, TakesNoLongerStepThanItMay) {
   Tubes tubes;
-  const auto stepper = kindOf("fire").make(tubes.fibre, 20, 0.0);
+  const auto stepper = kindOf("fire").make(tubes.fibre, {20, 0.0});
   tubes.evaluate();
   EXPECT_LE(stepper->dt(), 20);
   stepper->limit(3);
@@ -100,15 +100,15 @@ TEST(Fire, TakesNoLongerStepThanItMay) {
 TEST(Fire, GoesOnFromItsRecordAsIfNothingHadBeen) {
   Tubes through, stopped;
   const StepperKind& fire = kindOf("fire");
-  const auto one = fire.make(through.fibre, 20, 0.0);
-  auto other = fire.make(stopped.fibre, 20, 0.0);
+  const auto one = fire.make(through.fibre, {20, 0.0});
+  auto other = fire.make(stopped.fibre, {20, 0.0});
   through.evaluate();
   stopped.evaluate();
   go(through, *one, 30, false);
   go(stopped, *other, 17, false);
   RunRecord record;
   other->save(record);
-  other = fire.make(stopped.fibre, 20, 0.0);
+  other = fire.make(stopped.fibre, {20, 0.0});
   other->restore(record);
   stopped.evaluate();
   go(stopped, *other, 13, false);

@@ -276,7 +276,8 @@ TEST_P(RestartRules, ACheckpointWithoutOneOfItsPartsIsRefused) {
   const Folder folder;
   expectDone(go(folder, pulled + "-break_strain_mean 0.3 -damping_viscous 0.01 -bc edge "
                                  "-edge_region -1000,-1000,-1000,1000,1000,1000 -edge_force "
-                                 "0,0,1e-5 -ts_max_steps 20 -checkpoint_file c.h5"));
+                                 "0,0,1e-5 -temperature 300 -temperature_damping 1e-3 "
+                                 "-ts_max_steps 20 -checkpoint_file c.h5"));
   const char* parts[] = {"state/velocity",       "state/angular_velocity",
                          "state/group",          "state/bond_broken",
                          "state/viscous",        "state/gap",
@@ -289,7 +290,7 @@ TEST_P(RestartRules, ACheckpointWithoutOneOfItsPartsIsRefused) {
                          "run/tension_ends",     "run/tension_strength",
                          "run/boundary_edge",    "run/fibre",
                          "run/time_step",        "run/options",
-                         "run/purpose"};
+                         "run/purpose",          "run/account_heat"};
   // On several ranks every fourth, since they take the same way.
   for (std::size_t k = 0; k<std::size(parts); k += GetParam()> 1 ? 4 : 1) {
     const char* part = parts[k];

@@ -7,6 +7,7 @@
 #include "helpers.hpp"
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/index_map.hpp"
+#include "nanoweft/base/normal_lanes.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
@@ -81,6 +82,37 @@ TEST(Random, NormalMoments) {
   EXPECT_NEAR(sum / n, 0.0, 5 / std::sqrt(n));
   EXPECT_NEAR(square / n, 1.0, 5 * std::sqrt(2.0 / n));
   EXPECT_NEAR(fourth / n, 3.0, 5 * std::sqrt(96.0 / n));
+}
+
+TEST(Random, NormalNumbersOfLanesAreThoseOfTheirCounters) {
+  constexpr std::uint64_t seed = 0x123456789abcdefull;
+  constexpr int groups = 20000;
+  double sum = 0, square = 0, fourth = 0, mixed = 0;
+  for (int g = 0; g < groups; ++g) {
+    std::int64_t fibre[laneCount];
+    std::int32_t index[laneCount];
+    for (int k = 0; k < laneCount; ++k) fibre[k] = 77'777'777'777ll * g - k, index[k] = g % 100 + k;
+    const Vec3<Lanes> normal = normalTriples(seed, Purpose::heatSpin, fibre, index);
+    for (std::size_t k = 0; k < laneCount; ++k) {
+      const double x[3] = {normal.x[k], normal.y[k], normal.z[k]};
+      for (const double v : x) sum += v, square += v * v, fourth += v * v * v * v;
+      mixed += x[0] * x[0] * x[1] * x[1] - 1;
+      if (g >= 100) continue;
+      const auto bits =
+          randomBits(seed, Purpose::heatSpin, fibre[k], static_cast<std::uint32_t>(index[k]));
+      const double u = (static_cast<std::int32_t>(bits[0]) + 0x1p31 + 0.5) * 0x1p-32;
+      EXPECT_NEAR(std::hypot(x[0], x[1]), std::sqrt(-2 * std::log(u)), 1e-10);
+      // Four times the angle forgets in which quarter of the circle it was.
+      const double part = (static_cast<std::int32_t>(bits[1] << 2) + 2.0) * 0x1p-32;
+      EXPECT_NEAR(std::cos(4 * std::atan2(x[1], x[0])), std::cos(2 * std::numbers::pi * part),
+                  1e-9);
+    }
+  }
+  constexpr double n = 3.0 * groups * laneCount;
+  EXPECT_NEAR(sum / n, 0, 5 / std::sqrt(n));
+  EXPECT_NEAR(square / n, 1, 5 * std::sqrt(2 / n));
+  EXPECT_NEAR(fourth / n, 3, 5 * std::sqrt(96 / n));
+  EXPECT_NEAR(mixed / n, 0, 5 * std::sqrt(8 / (3 * n)));
 }
 
 TEST(Random, CriticalStrainsPerBondOrFibre) {

@@ -6,9 +6,10 @@
 
 namespace nanoweft {
 
-/// Sums over all ranks. Collective.
-void saveAccounts(RunRecord& record, const EnergyAccounts& accounts, MPI_Comm comm);
+/// Sums over all ranks. `heated`: of a run with a thermostat, whose record has an account of heat.
+/// Collective.
+void saveAccounts(RunRecord& record, const EnergyAccounts& accounts, bool heated, MPI_Comm comm);
 /// Rank 0 takes up the sums. Throws InputError when one is missing.
-void restoreAccounts(EnergyAccounts& accounts, const RunRecord& record, int rank);
+void restoreAccounts(EnergyAccounts& accounts, const RunRecord& record, bool heated, int rank);
 
 }  // namespace nanoweft

@@ -28,6 +28,7 @@ struct RunSettings {
 
   double damping = 0;
   ViscousDamping viscous;
+  std::optional<Thermostat> thermostat;
   double skin = 0;
   bool allowOverlap = false;
   PartitionSettings partition;

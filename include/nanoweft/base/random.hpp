@@ -31,7 +31,10 @@ enum class Purpose : std::uint32_t {
   perturbation = 2,
   stepEstimate = 3,
   errorEstimate = 4,
-  links = 5  ///< of the first kind of link
+  links = 5,  ///< of the first kind of link
+  heatKey = 6,
+  heatVelocity = 7,
+  heatSpin = 8
 };
 
 /// For the links of a kind.
@@ -41,14 +44,19 @@ constexpr Purpose linksOfKind(int kind) {
                               apart * static_cast<std::uint32_t>(kind));
 }
 
+/// 128 random bits that belong to (seed, purpose, fibre, index).
+inline std::array<std::uint32_t, 4> randomBits(std::uint64_t seed, Purpose purpose,
+                                               std::int64_t fibre, std::uint32_t index) {
+  const auto f = static_cast<std::uint64_t>(fibre);
+  return philox({static_cast<std::uint32_t>(f), static_cast<std::uint32_t>(f >> 32), index,
+                 static_cast<std::uint32_t>(purpose)},
+                {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+}
+
 /// Two uniform numbers in (0, 1) that belong to (seed, purpose, fibre, index).
 inline std::array<double, 2> uniformPair(std::uint64_t seed, Purpose purpose, std::int64_t fibre,
                                          std::uint32_t index) {
-  const auto f = static_cast<std::uint64_t>(fibre);
-  const auto bits =
-      philox({static_cast<std::uint32_t>(f), static_cast<std::uint32_t>(f >> 32), index,
-              static_cast<std::uint32_t>(purpose)},
-             {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+  const auto bits = randomBits(seed, purpose, fibre, index);
   auto unit = [](std::uint32_t high, std::uint32_t low) {
     const std::uint64_t mantissa = (static_cast<std::uint64_t>(high) << 32 | low) >> 12;
     return (static_cast<double>(mantissa) + 0.5) * 0x1p-52;

@@ -9,6 +9,7 @@ namespace nanoweft {
 namespace codata {
 inline constexpr double electronvolt = 1.602176634e-19;  // J, exact
 inline constexpr double atomicMass = 1.66053906660e-27;  // kg
+inline constexpr double boltzmann = 1.380649e-23;        // J/K, exact
 }  // namespace codata
 
 /// How a person's numbers become internal ones, and what the internal ones are called.

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "nanoweft/motion/system.hpp"
+#include "nanoweft/motion/thermostat.hpp"
 #include "nanoweft/state/state_file.hpp"
 
 namespace nanoweft {
@@ -46,12 +48,18 @@ class Stepper {
   virtual void restore(const RunRecord& /*record*/) {}
 };
 
+/// What a stepper is made from.
+struct StepperSettings {
+  double dt;                  ///< the step, or the longest where it adapts
+  double localDamping = 0.0;  ///< c of F -> F - c|F| sign(v)
+  std::optional<Thermostat> thermostat{};
+};
+
 /// A value of -relax_method.
 struct StepperKind {
   std::string name, title;  ///< as an option's value, and for people
   bool minimises;           ///< it seeks equilibrium with its own damping; its time is not physical
-  /// `dt`: the step, or the longest where it adapts; `localDamping`: c of F -> F - c|F| sign(v).
-  std::unique_ptr<Stepper> (*make)(const Kinds& kinds, double dt, double localDamping);
+  std::unique_ptr<Stepper> (*make)(const Kinds& kinds, const StepperSettings& settings);
 };
 
 /// The first is the default.

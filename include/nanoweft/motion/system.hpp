@@ -11,11 +11,11 @@
 
 namespace nanoweft {
 
-/// Energy taken out by damping and broken bonds, and brought in by boundaries, since the start, on
-/// this rank. Friction has a part in `damped`.
+/// Energy taken out by damping and broken bonds, and brought in by boundaries and by a thermostat,
+/// since the start, on this rank. Friction has a part in `damped`.
 struct EnergyAccounts {
   ExactSum damped, external, broken;
-  ExactSum friction;
+  ExactSum friction, heat;
   std::vector<ExactSum> groups;  ///< what each of the boundaries brings in; empty: not booked
 };
 

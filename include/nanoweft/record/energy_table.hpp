@@ -11,7 +11,7 @@ namespace nanoweft {
 
 /// Columns that only some runs have.
 struct ExtraEnergies {
-  bool friction = false, walls = false;
+  bool friction = false, walls = false, heat = false;
 };
 
 /// Reads the option; a row every `interval` steps. Null when no table is wanted.
