@@ -33,8 +33,16 @@ class Book : public RunBook {
 
 class ObserverTest : public testing::Test {
  protected:
-  ObserverContext context() { return {settings, nanoUnits(), tubes.boundaries, kinds}; }
+  ObserverContext context() {
+    return {settings, nanoUnits(), tubes.boundaries, kinds, tubes.forces->pairs(), walls, held};
+  }
+  static BoxDrive noDrive() {
+    Options options;
+    return BoxDrive(options, nanoUnits());
+  }
   const Kinds kinds = cnt1010(nanoUnits());
+  const Walls walls;
+  BoxDrive held = noDrive();
   /// The moment at which a step ends.
   Moment at(std::int64_t step) {
     tubes.state.step = book.step = step;

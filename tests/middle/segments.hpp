@@ -14,7 +14,8 @@ namespace nanoweft::test {
 
 constexpr int fibreLength = 8;
 constexpr std::int64_t allRows = 6 * fibreLength, firstClosed = 4 * fibreLength;
-constexpr ExtraFields allFields{.gap = true, .viscous = true, .rest = true};
+constexpr ExtraFields allFields{
+    .gap = true, .viscous = true, .rest = true, .ends = true, .friction = true, .extension = true};
 
 /// Six straight fibres side by side lie in it; the last two are closed.
 inline Box sceneBox() {

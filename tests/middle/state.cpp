@@ -19,7 +19,7 @@ TEST(State, FreshSegmentsHaveWhatTheTableSays) {
       for (int i = 3; i < 403; ++i)
         for (int c = 0; c < f.components; ++c)
           ASSERT_EQ(static_cast<double>(values[f.components * i + c]),
-                    f.fresh[static_cast<std::size_t>(c)])
+                    f.freshAt(static_cast<std::size_t>(c)))
               << f.name;
     });
   EXPECT_EQ(state.orientation(402).w, 1.0);
