@@ -1,6 +1,7 @@
 #include "nanoweft/motion/boundary.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -89,6 +90,11 @@ void Boundaries::readNamed(Options& options, const UnitSystem& units) {
   for (const std::string& name : names) {
     if (std::ranges::any_of(boundaries_, [&](const Boundary& b) { return b.name == name; }))
       throw InputError("-bc: " + name + " is named twice");
+    std::string small = name;
+    std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (beginsPetscOptions(small))
+      throw InputError("-bc: '" + name + "' cannot name a group, since -" + small +
+                       "_... are options of PETSc");
     if (name.starts_with("tension"))
       throw InputError("-bc " + name +
                        ": names that begin with tension belong to the tension test");

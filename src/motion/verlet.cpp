@@ -74,8 +74,8 @@ NW_INLINE V signedLike(const V& size, const V& x) {
 }
 
 /// Kicks a component of the velocity; returns the power that damping takes out.
-template <class V>
-NW_INLINE V damp(V& v, const V& force, const V& viscous, double factor, double damping) {
+template <class V, class F>
+NW_INLINE V damp(V& v, const V& force, const V& viscous, const F& factor, double damping) {
   using std::abs;
   const V sum = force + viscous;
   const V drag = signedLike(V(damping * abs(sum)), v);
@@ -100,12 +100,14 @@ class Kicker {
 
   /// Segments begin <= i < end.
   void operator()(std::int32_t begin, std::int32_t end) {
-    if (end - begin == laneCount && !s_.viscous && free(begin) && alike(begin)) {
-      const Mass& m = masses_.of(s_, begin);
-      group(s_.velocity + 3 * begin, s_.force + 3 * begin, m.perMass);
-      group(s_.angular + 3 * begin, s_.torque + 3 * begin, m.perInertia);
-    } else {
+    if (end - begin != laneCount || s_.viscous || !free(begin)) {
       for (std::int32_t i = begin; i < end; ++i) one(i);
+    } else if (alike(begin)) {
+      const Mass& m = masses_.of(s_, begin);
+      group(s_.velocity + 3 * begin, s_.force + 3 * begin, [&](int) { return m.perMass; });
+      group(s_.angular + 3 * begin, s_.torque + 3 * begin, [&](int) { return m.perInertia; });
+    } else {
+      mixed(begin);
     }
   }
 
@@ -131,10 +133,27 @@ class Kicker {
     return true;
   }
 
+  /// Kicks `laneCount` segments of several kinds.
+  void mixed(std::int32_t begin) {
+    double perMass[3 * laneCount], perInertia[3 * laneCount];
+    for (int k = 0; k < laneCount; ++k) {
+      const Mass& m = masses_.of(s_, begin + k);
+      std::fill_n(perMass + 3 * k, 3, m.perMass);
+      std::fill_n(perInertia + 3 * k, 3, m.perInertia);
+    }
+    auto of = [](const double* factors) {
+      return [=](int k) { return Lanes(factors + k, stdx::element_aligned); };
+    };
+    group(s_.velocity + 3 * begin, s_.force + 3 * begin, of(perMass));
+    group(s_.angular + 3 * begin, s_.torque + 3 * begin, of(perInertia));
+  }
+
   /// Kicks `laneCount` segments. All components are kicked alike and are contiguous, so lanes go
-  /// through them without regard to segments.
-  NW_INLINE void group(double* velocity, const double* force, double factor) {
+  /// through them without regard to segments. `factors(k)`: of the components from k on.
+  template <class Factors>
+  NW_INLINE void group(double* velocity, const double* force, const Factors& factors) {
     for (int k = 0; k < 3 * laneCount; k += laneCount) {
+      const auto factor = factors(k);
       Lanes v(velocity + k, stdx::element_aligned);
       const Lanes f(force + k, stdx::element_aligned);
       if (damping_ > 0)

@@ -88,8 +88,7 @@ void KindTable::addShare(const System& s, std::size_t thread, std::vector<ExactS
               [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
                 if (p.i < share.begin || p.i >= share.end) return;
                 const int a = state.kind(p.i), b = state.kind(p.j);
-                sums[pairColumn(a, b)].add(
-                    resolved(state, force, p, d).energy, unit);
+                sums[pairColumn(a, b)].add(resolved(state, force, p, d).energy, unit);
               });
 }
 

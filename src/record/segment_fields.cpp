@@ -76,8 +76,7 @@ std::vector<SegmentField> segmentFields(const State& state, const Domain& domain
     const Share share = shares[t];
     for (int i = share.begin; i < share.end; ++i) setBondFields(state, domain, forces, i, fields);
     forEachPair(state, forces, t, [&](const PairForce& force, const ListPair& p, const Vec3d& d) {
-      const double half =
-          0.5 * resolved(state, force, p, d).energy;
+      const double half = 0.5 * resolved(state, force, p, d).energy;
       for (const int k : {p.i, p.j})
         if (k >= share.begin && k < share.end)
           pairEnergy[static_cast<std::size_t>(k)].add(half, unit);

@@ -155,8 +155,8 @@ TEST(Walls, ThatCannotBeMeantAreRefused) {
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_friction -1", {"-w_friction"}},
       {"-walls w,w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10", {"-walls", "twice"}},
       {"-walls dm -dm_point 0,0,-20 -dm_axis 0,0,1 -dm_modulus 10", {"-walls", "PETSc"}},
-      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -bc w -w_region -1,-1,-1,1,1,1 "
-       "-w_force 0,0,1 -w_mass 3",
+      {"-walls w -w_shape sphere -w_radius 3 -w_point 0,0,-90 -w_modulus 10 -bc w -w_region "
+       "-1,-1,-1,1,1,1 -w_force 0,0,1 -w_mass 3",
        {"-walls w", "-bc"}},
       {"-wall_monitor ascii:w.csv", {"-wall_monitor", "-walls"}},
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_velocity 0,0,1 -relax_method fire",

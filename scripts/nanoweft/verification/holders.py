@@ -4,7 +4,8 @@ import math
 import numpy as np
 
 from .. import tables
-from .common import TUBE, Row, in_plane, new_folder, relative, simulate, write_state
+from ..beams import TUBE
+from .common import Row, in_plane, new_folder, relative, simulate, write_state
 
 T = TUBE.T
 HELD, PROGRAM = "holders", "tension programs"

@@ -7,7 +7,8 @@ from .. import states, tables
 from ..rotations import matrices
 from . import linear
 from .bending import straight
-from .common import TUBE, Row, Tube, new_folder, relative, simulate, write_state
+from ..beams import TUBE, Tube
+from .common import Row, new_folder, relative, simulate, write_state
 
 T, KT = TUBE.T, 8.617333262e-5 * 300
 FAMILY = "temperature"
