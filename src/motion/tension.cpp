@@ -33,7 +33,7 @@ void readCourse(Options& options, const OptionSection& section, const UnitSystem
                 Tension& t) {
   OptionSection s = section;
   const std::string perTime = std::string("1/") + units.time;
-  const auto legs = s.reals("tension_program", 0, "none", (", " + perTime).c_str(),
+  const auto legs = s.reals("tension_program", 0, "none", perTime.c_str(),
                             "strain,rate,strain,rate,...: goes to each strain at its rate, one "
                             "after the other; instead of -tension_rate");
   OptionSection one(options, "Tension test", !legs,
