@@ -166,7 +166,7 @@ void RunParts::checkStart() {
         it != file->run.reals.end() &&
         it->second != linkNumbersOf(inOrder(plan->links, file->linkKinds)))
       warnings.push_back(
-          "the run that left the state had links of another kind (-link_law, -link_stretch, "
+          "the run that left the state had links of another law (-link_law, -link_stretch, "
           "-link_stiffness); their rest is that of the file");
   for (const StartFinding& finding : lookAtStart(
            *state,

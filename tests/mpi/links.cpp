@@ -13,17 +13,21 @@ namespace {
 
 /// A weave of 8 fibres of 24 segments with 60 links all over it: near and far ones, several at one
 /// segment, some within a fibre.
-void makeLinked(const Folder& folder) {
-  const auto outcome = run(folder,
-                           "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 "
-                           "-ts_max_steps 0 -state_output in.h5");
-  ASSERT_EQ(outcome.status, 0) << outcome.output;
+std::vector<LinkEnds> linksOfWeave() {
   std::vector<LinkEnds> links;
   for (std::int64_t k = 0; k < 50; ++k)
     links.push_back({k % 8, (7 * k) % 24, (3 * k + 1) % 8, (11 * k + 5) % 24});
   for (std::int64_t k = 0; k < 10; ++k) links.push_back({2, 12, k % 2 ? 2 : 5, 1 + 2 * k});
   std::erase_if(links, [](const LinkEnds& l) { return l[0] == l[2] && l[1] == l[3]; });
-  setLinks(folder / "in.h5", links);
+  return links;
+}
+
+void makeLinked(const Folder& folder, const std::vector<LinkEnds>& links = linksOfWeave()) {
+  const auto outcome = run(folder,
+                           "-weave_fibres 4,4 -weave_segments 24 -scene_perturb 0.1 "
+                           "-ts_max_steps 0 -state_output in.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  if (!links.empty()) setLinks(folder / "in.h5", links);
 }
 
 const std::string options =
@@ -129,7 +133,7 @@ TEST(Links, OfALaterStageAreThoseOfTheFileAndAnotherLawIsSaid) {
   EXPECT_EQ(outcome.output.find("warning: the run that left"), std::string::npos) << outcome.output;
   outcome = run(folder, next, 1);
   ASSERT_EQ(outcome.status, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("warning: the run that left the state had links of another kind"),
+  EXPECT_NE(outcome.output.find("warning: the run that left the state had links of another law"),
             std::string::npos)
       << outcome.output;
 }
@@ -183,6 +187,181 @@ TEST(Links, WrongOnesAreRefusedWithTheirNumber) {
   const Folder folder;
   expectRefused(run(folder, "-weave_fibres 2,2 -link_stretch 3 -ts_max_steps 2"),
                 {"-link_stretch", "no links"});
+}
+
+void expectSaid(const std::string& output, const std::string& text) {
+  EXPECT_NE(output.find(text), std::string::npos) << text << "\n" << output;
+}
+
+/// Every third link of the weave is of the other kind.
+bool isSoft(std::size_t link) {
+  return link % 3 == 0;
+}
+
+const std::string lawsOfKinds =
+    "-link_kinds stiff,soft -soft_link_law spring -soft_link_stretch 0.5 -stiff_link_stiffness "
+    "2,400,-80,30 ";
+
+/// The weave with links of both kinds; the file numbers them in another order than the run.
+void makeLinkedByKinds(const Folder& folder) {
+  const auto links = linksOfWeave();
+  std::vector<std::int32_t> kinds;
+  for (std::size_t k = 0; k < links.size(); ++k) kinds.push_back(isSoft(k) ? 0 : 1);
+  makeLinked(folder, links);
+  setLinkKinds(folder / "in.h5", kinds, "soft,stiff");
+}
+
+TEST(LinkKinds, BreakByTheirOwnLawWithTheSameBytesOnAnyRanksAndThreadsAndOverARestart) {
+  const Folder folder;
+  makeLinkedByKinds(folder);
+  const std::string start =
+      "-scene file -scene_file in.h5 -scene_perturb 0.2 -damping_local 0.2 -progress_interval 0 " +
+      lawsOfKinds + "-stiff_link_break_strain 0.01 " + outputs;
+  auto outcome = run(folder, start + "-ts_max_steps 200", 1, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  expectSaid(outcome.output, "stiff links: bonds with B1 2,");
+  expectSaid(outcome.output, "soft links: springs of 0.5");
+  const std::string state = readFile(folder / "out.h5"), table = readFile(folder / "energy.csv");
+  const auto broken = readDataset(folder / "out.h5", "/link/broken"),
+             kind = readDataset(folder / "out.h5", "/link/kind");
+  int torn = 0;
+  for (std::size_t k = 0; k < broken.size(); ++k) {
+    EXPECT_EQ(kind[k], isSoft(k) ? 1 : 0) << k;
+    EXPECT_TRUE(broken[k] == 0 || !isSoft(k)) << k;
+    torn += broken[k] != 0;
+  }
+  EXPECT_GT(torn, 3);
+  EXPECT_LT(torn, 38);
+  const int layouts[][2] = {{1, 2}, {2, 1}, {2, 2}, {3, 1}, {3, 2}};
+  for (const auto& [ranks, threads] : layouts) {
+    outcome = run(folder, start + "-ts_max_steps 200", ranks, threads);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(readFile(folder / "out.h5") == state) << ranks << " x " << threads;
+    EXPECT_TRUE(readFile(folder / "energy.csv") == table) << ranks << " x " << threads;
+  }
+  outcome = run(folder, start + "-ts_max_steps 90 -checkpoint_file c.h5", 3);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(folder, outputs + "-restart c.h5 -ts_max_steps 200", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(readFile(folder / "out.h5") == state);
+  EXPECT_TRUE(readFile(folder / "energy.csv") == table);
+}
+
+TEST(LinkKinds, ActAsEachDoesAlone) {
+  const auto links = linksOfWeave();
+  std::vector<LinkEnds> soft, stiff;
+  for (std::size_t k = 0; k < links.size(); ++k) (isSoft(k) ? soft : stiff).push_back(links[k]);
+  auto forces = [](const Folder& folder, const std::string& laws) {
+    const auto outcome = run(folder,
+                             "-scene file -scene_file in.h5 -pair none -scene_perturb 0.2 "
+                             "-ts_max_steps 0 -state_output out.h5 -state_forces " +
+                                 laws,
+                             2);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    auto all = readDataset(folder / "out.h5", "/state/force");
+    const auto torque = readDataset(folder / "out.h5", "/state/torque");
+    all.insert(all.end(), torque.begin(), torque.end());
+    return all;
+  };
+  const Folder none, both, softAlone, stiffAlone;
+  makeLinked(none, {});
+  makeLinkedByKinds(both);
+  makeLinked(softAlone, soft);
+  makeLinked(stiffAlone, stiff);
+  const auto bare = forces(none, ""), together = forces(both, lawsOfKinds),
+             bySoft = forces(softAlone, "-link_law spring -link_stretch 0.5"),
+             byStiff = forces(stiffAlone, "-link_stiffness 2,400,-80,30");
+  ASSERT_FALSE(bare.empty());
+  double most[2] = {0, 0};
+  for (std::size_t k = 0; k < bare.size(); ++k) {
+    EXPECT_NEAR(together[k] - bare[k], bySoft[k] - bare[k] + byStiff[k] - bare[k], 1e-9) << k;
+    most[0] = std::max(most[0], std::abs(bySoft[k] - bare[k]));
+    most[1] = std::max(most[1], std::abs(byStiff[k] - bare[k]));
+  }
+  EXPECT_GT(most[0], 0.01);
+  EXPECT_GT(most[1], 0.01);
+}
+
+TEST(LinkKinds, AreMadeEachByItsOwnDraw) {
+  const std::string weave =
+      "-weave_fibres 8,8 -weave_segments 24 -links_distance 22 -link_law spring -ts_max_steps 0 "
+      "-state_output out.h5 ";
+  const Folder alone, one, three;
+  for (const auto& [folder, ranks] : {std::pair{&one, 1}, std::pair{&three, 3}}) {
+    const auto outcome =
+        run(*folder,
+            weave + "-link_kinds a,b -links_density 0.0057 -b_links_density 0.01 -a_link_stretch 3",
+            ranks);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+  }
+  EXPECT_TRUE(readFile(one / "out.h5") == readFile(three / "out.h5"));
+  ASSERT_EQ(run(alone, weave + "-links_density 0.0057", 2).status, 0);
+  const auto first = readDataset(alone / "out.h5", "/link/segments"),
+             all = readDataset(one / "out.h5", "/link/segments"),
+             kind = readDataset(one / "out.h5", "/link/kind");
+  const auto links = first.size() / 4;
+  // The links of the first kind are those that it makes alone; the others lie elsewhere.
+  ASSERT_GT(kind.size(), links + 20);
+  EXPECT_TRUE(std::equal(first.begin(), first.end(), all.begin()));
+  for (std::size_t k = 0; k < kind.size(); ++k) EXPECT_EQ(kind[k], k < links ? 0 : 1) << k;
+  std::set<std::array<double, 4>> taken;
+  std::size_t shared = 0;
+  for (std::size_t k = 0; k < kind.size(); ++k)
+    shared += !taken.insert({all[4 * k], all[4 * k + 1], all[4 * k + 2], all[4 * k + 3]}).second;
+  EXPECT_LT(shared, links);
+}
+
+TEST(LinkKinds, OfALaterStageAreKnownByTheirNames) {
+  const Folder folder;
+  makeLinkedByKinds(folder);
+  const std::string run2 = " -ts_max_steps 2 -progress_interval 0 ",
+                    next = "-scene file -scene_file a.h5" + run2;
+  auto outcome =
+      run(folder, "-scene file -scene_file in.h5 -state_output a.h5" + run2 + lawsOfKinds, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // The same laws in another order, with a kind that the file does not have.
+  outcome = run(folder,
+                next +
+                    "-link_kinds more,soft,stiff -soft_link_law spring -soft_link_stretch 0.5 "
+                    "-stiff_link_stiffness 2,400,-80,30",
+                2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  expectSaid(outcome.output, "0 more links:");
+  EXPECT_EQ(outcome.output.find("warning: the run that left"), std::string::npos) << outcome.output;
+  outcome = run(folder, next + "-link_kinds stiff,soft", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  expectSaid(outcome.output, "warning: the run that left the state had links of another law");
+  expectRefused(run(folder, next, 2), {"the kind 'stiff', which -link_kinds must name"});
+  expectRefused(run(folder, next + "-link_kinds soft,glue", 2),
+                {"the kind 'stiff', which is not among -link_kinds soft,glue"});
+}
+
+TEST(LinkKinds, WrongOnesAreRefused) {
+  const Folder folder;
+  const std::string made = "-weave_fibres 4,4 -ts_max_steps 2 -links_distance 22 ";
+  const struct {
+    const char *options, *says;
+  } cases[] = {
+      {"-link_kinds a,A", "-link_kinds: 'A' stands there twice"},
+      {"-link_kinds draw", "'draw' cannot name a kind of link, since -draw_"},
+      {"-link_kinds a_b", "'a_b' cannot name a kind of link; a name is a letter"},
+      {"-link_kinds a,b -b_links_density 5", "links b: -links_density 5: there are only"},
+      {"-link_kinds a,b -a_links_density 1e-3 -b_link_stretch 3",
+       "-b_link_stretch is not used by this run: the state has no links"},
+      {"-link_kinds a -a_links_density 1e-3 -b_link_law spring", "unknown option -b_link_law"},
+      {"-link_kinds a -a_links_density 1e-3 -kinds A", "'a' is among -kinds, too"},
+      {"-link_kinds a -a_links_density 1e-3 -bc a -a_group 1 -a_fix 1,1,1",
+       "'a' is among -bc, too"},
+      {"-link_kinds a -a_links_density 1e-3 -walls a -a_point 0,0,-900 -a_axis 0,0,1 -a_modulus 9",
+       "'a' is among -walls, too"},
+  };
+  for (const auto& c : cases) expectRefused(run(folder, made + c.options), {c.says});
+  expectRefused(run(folder, "-weave_fibres 4,4 -ts_max_steps 2 -link_kinds a"),
+                {"-link_kinds is not used by this run: the state has no links"});
+  makeLinked(folder, {{0, 1, 1, 1}, {0, 2, 1, 3}});
+  setLinkKinds(folder / "in.h5", {0, 2}, "");
+  expectRefused(run(folder, "-scene file -scene_file in.h5 -link_kinds a,b -ts_max_steps 2", 2),
+                {"link 1: its kind is 2; there are 2"});
 }
 
 }  // namespace

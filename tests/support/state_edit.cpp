@@ -48,6 +48,23 @@ void setLinks(const std::string& file, const std::vector<LinkEnds>& links) {
   signAgain(file);
 }
 
+void setLinkKinds(const std::string& file, const std::vector<std::int32_t>& kinds,
+                  const std::string& names) {
+  h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  const hsize_t rows = kinds.size();
+  h5::Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+  h5::Handle set(f.valid() ? H5Dcreate2(f, "/link/kind", H5T_NATIVE_INT32, space, H5P_DEFAULT,
+                                        H5P_DEFAULT, H5P_DEFAULT)
+                           : -1,
+                 H5Dclose);
+  if (!set.valid() ||
+      H5Dwrite(set, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, kinds.data()) < 0 ||
+      (!names.empty() && !h5::writeAttribute(set, "kinds", names)))
+    throw std::runtime_error("cannot write /link/kind");
+  set = {}, f = {};
+  signAgain(file);
+}
+
 void signAgain(const std::string& file) {
   const int fd = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
   if (fd < 0) throw std::runtime_error("no file " + file);

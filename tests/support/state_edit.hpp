@@ -17,6 +17,9 @@ void setDataset(const std::string& file, const std::string& name, const std::vec
 /// Gives the file a group /link: fibre and index of both ends of each link.
 using LinkEnds = std::array<std::int64_t, 4>;
 void setLinks(const std::string& file, const std::vector<LinkEnds>& links);
+/// Gives these links kinds: a number each, and names with commas between them (empty: no names).
+void setLinkKinds(const std::string& file, const std::vector<std::int32_t>& kinds,
+                  const std::string& names);
 /// Puts the digest of the changed file where nanoweft's was, so that it passes for nanoweft's own.
 /// A file that never had one stays as it is.
 void signAgain(const std::string& file);
