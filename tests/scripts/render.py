@@ -168,6 +168,8 @@ class Render(FolderTest):
             with h5py.File(self.path("in.h5"), "r+") as file:
                 file["state"].attrs["periodic"] = [0, int(box is not None), 0]
                 file["link/segments"] = links
+                file["link/kind"] = np.arange(len(links), dtype=np.int32)
+                file["link/kind"].attrs["kinds"] = "soft,stiff"
                 if broken:
                     file["link/broken"] = np.array(broken, np.int8)
             picture = self.draw("in.h5", "--size", "300x250")[:, :220]  # without the legend
