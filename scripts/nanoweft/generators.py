@@ -348,3 +348,89 @@ def network(file: File, how: Network, share: float = 1.0, shear: float = 0.0) ->
         # Springs of no length hold two segments at one place and leave them free to turn.
         states.link(file, links[np.sort(chosen)], 1e-9)
     return len(chosen)
+
+
+@dataclass(frozen=True)
+class Yarn:
+    """Two plies of three strands, each a row of staple fibres end to end, whose ends are staggered
+    from strand to strand. The plies are twisted one way and plied the other way with half as many
+    turns. Lengths in units of the fibres' radius, segments two long."""
+    turns: float = 8.0      # of a ply about its axis
+    staple: int = 60        # segments of a fibre
+    length: int = 120       # segments of a strand
+    overlap: float = 0.01   # of neighbours at the start
+
+    def axes(self, spacing: float, apart: float, points: Array) -> Array:
+        """Axes of the strands [6,points,3], three of the first ply and three of the second.
+        `spacing`: between strands of a ply, `apart`: between the plies' axes."""
+        ply, strand = np.repeat([0, 1], 3)[:, None], np.tile(np.arange(3), 2)[:, None]
+        around = -math.pi * self.turns / (2 * self.length)
+        x, a, r = points, 0.5 * apart, spacing / math.sqrt(3)
+        cosine = 1 / math.hypot(1, a * around)
+        # About the ply's axis, whose own helix turns the frame of normal and binormal.
+        turned = (math.pi * self.turns / self.length - around * cosine**2) * x / cosine
+        angle, phase = around * x + math.pi * ply, turned + 2 * math.pi / 3 * strand
+        y, z = np.cos(angle), np.sin(angle)
+        inwards, across = r * np.cos(phase), r * np.sin(phase)
+        radial = a - inwards
+        return np.stack([x - across * a * around * cosine, y * radial - z * across * cosine,
+                         z * radial + y * across * cosine], axis=2)
+
+    def strands(self) -> Array:
+        """Places of the segments of the strands [6,length,3], packed until neighbours overlap."""
+        piece = np.linspace(-20, 20, 201)
+        dense = np.linspace(-1.05 * self.length, 1.05 * self.length, 10 * self.length)
+        least = 2 - self.overlap
+        spacing, apart = 2.0, 4.0
+        for _ in range(3):  # each turns the helices that the other one sees
+            spacing = bisect(1, 4, lambda d: nearest(self.axes(d, apart, piece), False) - least)
+            apart = bisect(2, 10, lambda d: nearest(self.axes(spacing, d, piece), True) - least)
+        places = []
+        for axis in self.axes(spacing, apart, dense):
+            s = np.append(0, np.cumsum(np.linalg.norm(np.diff(axis, axis=0), axis=1)))
+            at = np.full(self.length - 1, 2.0)
+            for _ in range(6):
+                where = np.append(0, np.cumsum(at))
+                where += 0.5 * (s[-1] - where[-1])
+                x = np.stack([np.interp(where, s, c) for c in axis.T], axis=1)
+                at *= 2 / np.linalg.norm(np.diff(x, axis=0), axis=1)
+            places.append(x)
+        return np.array(places)
+
+
+def nearest(axes: Array, between: bool, band: int = 15) -> float:
+    """The least distance between points of two strands of the same ply, or of two plies, so many
+    places or fewer apart along them."""
+    pairs = [(k, j) for k in range(6) for j in range(k) if (k // 3 != j // 3) == between]
+    first, second = axes[np.transpose(pairs)]
+    count = axes.shape[1]
+    squares = [np.square(first[:, max(0, -b):count - max(0, b)]
+                         - second[:, max(0, b):count - max(0, -b)]).sum(axis=2).min()
+               for b in range(-band, band + 1)]
+    return math.sqrt(min(squares))
+
+
+def unsheared(x: Array) -> Array:
+    """Orientations of segments on a curve so that the axes of two neighbours have the direction of
+    the chord between them as their mean, except at the ends of the curve."""
+    chords = np.diff(x, axis=0)
+    own = chords.copy()
+    for _ in range(4):
+        wide = np.concatenate([own[:1], own, own[-1:]])
+        own += chords - 0.25 * (wide[:-2] + 2 * own + wide[2:])
+    return rotations.along(np.concatenate([x[:1], x[0] + np.cumsum(own, axis=0)]))
+
+
+def yarn(file: File, how: Yarn, radius: float = 3e-7) -> int:
+    """Writes the yarn along x, in m, at rest in its shape; the number of its fibres."""
+    fibres = []
+    for strand, x in enumerate(radius * how.strands()):
+        # An end's direction is that of the strand, which goes on beyond it.
+        q, first = unsheared(x), round((0.5 + strand * 2 % 6 + strand // 3) * how.staple / 6)
+        gaps = [3, *range(3 + first, how.length - 6, how.staple), how.length - 4]
+        fibres += [(x[a + 1:b], q[a + 1:b]) for a, b in zip(gaps, gaps[1:]) if b - a > 2]
+    every = np.concatenate([x for x, _ in fibres])
+    state = states.of_fibres(fibres, every.min(axis=0) - 30 * radius, every.max(axis=0) + 30 * radius)
+    state.units = "si"
+    states.write(file, states.at_rest(state))
+    return len(fibres)

@@ -1,4 +1,4 @@
-"""A closed form as a line, and on it what was measured."""
+"""A closed form or a fit as a line, and on it what was measured."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ class Curve(NamedTuple):
     label: str
     line: tuple[ArrayLike, ArrayLike]
     dots: tuple[ArrayLike, ArrayLike]
+    kind: str = "closed form"  # of the line
 
 
 def draw(file: str, axes: tuple[str, str], curves: list[Curve], **look: Any) -> None:
@@ -25,7 +26,7 @@ def draw(file: str, axes: tuple[str, str], curves: list[Curve], **look: Any) -> 
     with plt.rc_context(TABLES):
         figure, panel = plt.subplots(figsize=(6, 3.6), layout="constrained")
         for curve, colour in zip(curves, CYCLE):
-            panel.plot(*curve.line, color=colour, label=f"{curve.label}, closed form")
+            panel.plot(*curve.line, color=colour, label=f"{curve.label}, {curve.kind}")
             panel.plot(*curve.dots, "o", color=colour, markersize=4,
                        label=f"{curve.label}, measured")
         panel.set(xlabel=axes[0], ylabel=axes[1], **look)

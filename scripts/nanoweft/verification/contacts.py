@@ -1,0 +1,177 @@
+"""Contacts at the closest approach, friction, walls and the driven box."""
+import math
+
+import numpy as np
+
+from .. import states, tables
+from ..beams import TUBE
+from ..rotations import no_rotation, rotation_about
+from ..units import GPA
+from .common import Row, new_folder, order, relative, simulate, write_state
+
+T, RADIUS = TUBE.T, TUBE.radius
+CONTACTS, FRICTION, WALLS, BOX = "contacts", "friction", "walls", "driven box"
+MODULUS = 20.0  # E*, GPa
+TOUCH = f"-scene file -scene_file {{dir}}/in.h5 -pair contact -contact_modulus {MODULUS:g} "
+
+
+def straight(start, axis, count):
+    """A straight fibre along x (0) or y (1)."""
+    x = np.tile(np.asarray(start, float), (count, 1))
+    x[:, axis] += T * np.arange(count)
+    turn = no_rotation(count) if axis == 0 else rotation_about((0, 0, 1),
+                                                              np.full(count, math.pi / 2))
+    return x, turn
+
+
+def crossed():
+    """Force between two fibres crossed at a right angle, wherever along a segment."""
+    rows, overlap = [], 0.05
+    exact = 4 / 3 * MODULUS * GPA * math.sqrt(RADIUS) * overlap**1.5
+    for place in (0.0, 0.23, 0.5):
+        folder = new_folder(f"contact_crossed_{place:g}")
+        write_state(folder / "in.h5", [straight(((place - 3) * T, 0, 0), 0, 7),
+                                       straight((0, -3.1 * T, 2 * RADIUS - overlap), 1, 7)])
+        simulate(folder.name, TOUCH + "-ts_max_steps 0 -state_output {dir}/out.h5 -state_forces")
+        force = states.read(folder / "out.h5")["force"][7:, 2].sum()
+        rows.append(relative(CONTACTS, f"crossed fibres that meet {place:g} T off a centre: force, eV/A",
+                             exact, force, 1e-8, "round-off"))
+    return rows
+
+
+def collision():
+    """Order in the step of the energy that a collision of two fibres changes."""
+    steps, errors = (16.0, 8.0, 4.0), []
+    for dt in steps:
+        folder = new_folder(f"contact_collision_{dt:g}")
+        write_state(folder / "in.h5", [straight((-5.3 * T, 0, 0), 0, 11),
+                                       straight((0, -4.7 * T, 2 * RADIUS + 0.1), 1, 10)])
+        state = states.read(folder / "in.h5")
+        state.rows["velocity"] = np.zeros((21, 3))
+        state.rows["velocity"][:, 2] = np.where(state["fibre"] == 0, 2e-4, -2e-4)
+        states.write(folder / "in.h5", state)
+        simulate(folder.name, TOUCH + f"-ts_dt {dt:g} -ts_max_time 16000 "
+                 "-energy_monitor ascii:{dir}/energy.csv -monitor_interval 10")
+        energy = tables.read(folder / "energy.csv")
+        errors.append(np.abs(energy["total"] - energy["total"][0]).max() / energy["kinetic"][0])
+    found = order(errors)
+    return [Row(CONTACTS, "collision of two fibres: order of the energy's error", 2.0, found,
+                abs(found - 2), 0.2, "next order, at steps of 8 and 4 fs")]
+
+
+def bar():
+    """Acceleration of a bar that is drawn over two rods by 1.2 of its friction."""
+    press, friction = 0.002, 0.3
+    speed, steps = [], (10000, 20000)
+    for count in steps:
+        folder = new_folder(f"friction_bar_{count}")
+        write_state(folder / "in.h5", [straight((2.3 * T, -3 * T, 0), 1, 7),
+                                       straight((8.7 * T, -3 * T, 0), 1, 7),
+                                       straight((0, 0, 2 * RADIUS - 0.05), 0, 12)],
+                    [1] * 14 + [2] * 12)
+        simulate(folder.name, TOUCH + f"-contact_friction {friction} -contact_restitution 0.3 "
+                 "-bc rods,bar -rods_group 0 -rods_fix 1,1,1 -rods_fix_rotation -bar_group 1 "
+                 f"-bar_force {1.2 * friction * press!r},0,{-press!r} -ts_dt 10 "
+                 f"-ts_max_steps {count} -state_output {{dir}}/out.h5")
+        speed.append(states.read(folder / "out.h5")["velocity"][14:, 0].mean())
+    return [relative(FRICTION, "bar drawn by 1.2 of its friction: acceleration, A/fs^2",
+                     0.2 * friction * press / TUBE.m,
+                     (speed[1] - speed[0]) / (10 * (steps[1] - steps[0])), 1e-2,
+                     "the bar shakes")]
+
+
+def speed_over(name, pull, radius, friction):
+    """How fast a limp fibre goes over a fixed rod by half a turn, drawn by 1 and by `pull`."""
+    folder, r, free = new_folder(name), radius + RADIUS - 0.02, 14 * T
+    half = math.pi * r
+    s = (np.arange(math.ceil((2 * free + half) / T - 0.5)) + 0.5) * T - free
+    turned = np.clip(s / r, 0, math.pi)
+    beyond = np.where(s < 0, s, np.maximum(0, s - half))
+    sine, cosine, zero = np.sin(turned), np.cos(turned), 0 * s
+    x = r * np.stack([sine, cosine, zero], 1) + beyond[:, None] * np.stack([cosine, -sine, zero], 1)
+    group = np.zeros(len(s), int)
+    group[0], group[-1] = 1, 2
+    write_state(folder / "in.h5", [(x, rotation_about((0, 0, 1), -turned))], group)
+    simulate(name, "-scene file -scene_file {dir}/in.h5 -pair none -start_unchecked "
+             "-fibre_bond_stiffness 60,20,-4,1.5 -walls rod -rod_shape cylinder -rod_point 0,0,0 "
+             f"-rod_axis 0,0,1 -rod_modulus 50 -rod_friction {friction} -rod_restitution 0.5 "
+             f"-rod_radius {radius:g} -bc a,b -a_group 0 -a_force -1,0,0 -a_ramp 200000 -b_group 1 "
+             f"-b_ramp 200000 -b_force {-pull!r},0,0 -damping_local 0.5 -ts_dt 10 "
+             "-ts_max_steps 60000 -state_output {dir}/out.h5")
+    return float(np.linalg.norm(states.read(folder / "out.h5")["velocity"][-1]))
+
+
+def capstan():
+    """The ratio of tensions at which a fibre slides over a rod: it rests 1 % below, goes 1 % above."""
+    radius, friction = 150.0, 0.3
+    # Friction acts at the rod's surface, tension at the fibre's axis.
+    most = math.exp(friction * math.pi * radius / (radius + RADIUS))
+    below, above = (speed_over(f"friction_capstan_{share:g}", share * most, radius, friction)
+                    for share in (0.99, 1.01))
+    return [Row(FRICTION, "fibre over a rod at 0.99 of exp(mu phi R/(R + rf)): speed, A/fs", 0.0,
+                below, below, 1e-6, "it rests"),
+            Row(FRICTION, "the same at 1.01: speed beyond 2e-6 A/fs", 2e-6, above,
+                max(0.0, 2e-6 - above), 1e-12, "it slides")]
+
+
+def floor():
+    """Depth of a fibre pressed on a floor."""
+    press = 0.01
+    folder = new_folder("wall_floor")
+    write_state(folder / "in.h5", [straight((0, 0, RADIUS), 0, 10)], [1] * 10)
+    simulate(folder.name, "-scene file -scene_file {dir}/in.h5 -pair none -walls floor "
+             f"-floor_point 0,0,0 -floor_axis 0,0,1 -floor_modulus {MODULUS:g} -bc all -all_group 0 "
+             f"-all_force 0,0,{-press} -damping_local 0.5 -ts_dt 10 -ts_max_steps 10000 "
+             "-wall_monitor ascii:{dir}/walls.csv -monitor_interval 1000 "
+             "-state_output {dir}/out.h5")
+    depth = RADIUS - states.read(folder / "out.h5")["position"][:, 2].mean()
+    force = tables.read(folder / "walls.csv")["floor_force_z"][-1]
+    return [relative(WALLS, "fibre pressed on a floor: depth, A",
+                     press / (math.pi / 4 * MODULUS * GPA * T), depth, 1e-6,
+                     "rest of damping"),
+            relative(WALLS, "the same: force on the floor, eV/A", -10 * press, force, 1e-6,
+                     "rest of damping")]
+
+
+def hooke():
+    """Stress of a box that is strained with one fibre through it."""
+    folder = new_folder("box_hooke")
+    simulate(folder.name, "-scene fibre -fibre_segments 40 -fibre_closed -domain_lower 0,-100,-100 "
+             f"-domain_upper {40 * T!r},100,100 -domain_periodic 1,0,0 -pair none -ts_dt 20 "
+             "-deform_x rate -deform_x_rate 1e-6 -deform_x_until 0.005 -ts_max_steps 400 "
+             "-box_monitor ascii:{dir}/box.csv -monitor_interval 20")
+    stress = tables.read(folder / "box.csv")["xx_GPa"][-1]
+    return [relative(BOX, "fibre strained with its box by 0.5 %: stress, GPa",
+                     TUBE.ES * 0.005 / 4e4 / GPA, stress, 1e-9, "round-off")]
+
+
+def lattice():
+    """Stress of a triangular lattice of springs: lambda = mu = sqrt(3)/4 k over the thickness."""
+    rows, n, a, k, thickness, strain = [], 8, 60.0, 2.0, 10.0, 1e-4
+    i, j = (c.ravel() for c in np.meshgrid(np.arange(n), np.arange(n)))
+    x = np.column_stack([(i + 0.5 * (j % 2) + 0.1) * a, (j + 0.1) * a * math.sqrt(0.75), 0 * i])
+    order_of = {(int(p), int(q)): m for m, (p, q) in enumerate(zip(i, j))}
+    ends = [[[m, 0], [order_of[(p + to) % n, (q + up) % n], 0]] for (p, q), m in order_of.items()
+            for to, up in ((1, 0), (q % 2, 1), (q % 2 - 1, 1))]
+    lame = math.sqrt(3) / 4 * k / thickness / GPA
+    for axis in "xy":
+        folder = new_folder(f"box_lattice_{axis}")
+        states.write(folder / "in.h5", states.of_fibres(
+            [(place[None], no_rotation(1)) for place in x], [0, 0, -50],
+            [n * a, n * a * math.sqrt(0.75), 50], (1, 1, 0)))
+        states.link(folder / "in.h5", ends)
+        simulate(folder.name, "-scene file -scene_file {dir}/in.h5 -pair none -link_law spring "
+                 f"-link_stretch {k} -deform_{axis} rate -deform_{axis}_rate 1e-6 "
+                 f"-deform_{axis}_until {strain} -deform_thickness {thickness} -ts_dt 10 "
+                 "-ts_max_steps 40 -box_monitor ascii:{dir}/box.csv -monitor_interval 40")
+        table = tables.read(folder / "box.csv")
+        for along, share in ((axis, 3), ("yx"["xy".index(axis)], 1)):
+            rows.append(relative(BOX, f"triangular lattice pulled along {axis}: stress along {along}, GPa",
+                                 share * lame * strain, table[2 * along + "_GPa"][-1], 1e-3,
+                                 "strain of 1e-4"))
+    return rows
+
+
+CHECKS = {"contacts_crossed": crossed, "contacts_collision": collision, "friction_bar": bar,
+          "friction_capstan": capstan, "walls_floor": floor, "box_hooke": hooke,
+          "box_lattice": lattice}
