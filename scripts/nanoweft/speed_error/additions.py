@@ -1,4 +1,5 @@
-"""What kinds, rest shapes, links and kinks cost, and how errors fall with the segments' length.
+"""What kinds, rest shapes, links, kinks, bond laws, contacts and walls cost, and how errors fall
+with the segments' length.
 
 A cost is user time, which other programs on the machine disturb least: the median of ratios of a
 run with the term to a run without it next to it in time."""
@@ -23,6 +24,8 @@ WEAVE = {"scene": "weave", "weave_fibres": "24,24", "weave_segments": 120, "damp
 SEGMENTS = 2 * 24 * 120
 # Bonds alone, and with pair forces; so many steps take about a second.
 SCENES = {"alone": (WEAVE | {"pair": "none"}, 6000), "weave": (WEAVE, 1000)}
+CONTACT = {"pair": "contact", "contact_modulus": 20}
+FLOOR = {"walls": "floor", "floor_point": "0,0,-16", "floor_axis": "0,0,1", "floor_modulus": 20}
 LINKED = {"links_density": 0.02, "links_distance": 24}
 
 
@@ -45,6 +48,11 @@ CASES = (
     Case("kinks, at 1/(275 A)", {"fibre_kink_curvature": 1 / 275}, ("alone", "weave")),
     Case("links, EVM bonds", LINKED, ("weave",)),
     Case("links, springs", LINKED | {"link_law": "spring"}, ("weave",)),
+    Case("internal viscosity, 1 fs", {"fibre_retardation": 1}, ("alone",)),
+    Case("plastic flow, never reached", {"fibre_yield_strain": 0.5}, ("alone",)),
+    Case("a wall below", FLOOR, ("alone", "weave")),
+    Case("contact in place of vdw", CONTACT, ("weave",)),
+    Case("contact with friction in place of vdw", CONTACT | {"contact_friction": 0.3}, ("weave",)),
 )
 
 
