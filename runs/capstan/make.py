@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""A limp fibre over a mandrel by half a turn; bit 0 of the group is on the end that is loaded, bit 1
-on the end that is held: python3 make.py FILE"""
+"""A limp fibre over a mandrel by half a turn; bit 0 of the group is on the end that is loaded,
+bit 1 on the end that is held: python3 make.py FILE"""
 import pathlib
 import sys
 

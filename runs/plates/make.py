@@ -27,4 +27,4 @@ for _ in range(FIBRES):
     fibres.append((x, np.tile(turn, (SEGMENTS, 1))))
 top = places[:, 2].max() + T / 2
 states.write(sys.argv[1], states.of_fibres(fibres, [0, 0, -50], [SIDE, SIDE, top + 50], (1, 1, 0)))
-print(f"top {top:.1f} A, volume share {FIBRES * SEGMENTS * T * np.pi * (T / 2)**2 / SIDE**2 / top:.4f}")
+print(f"the mat is {top:.1f} A high")

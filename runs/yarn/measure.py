@@ -26,7 +26,7 @@ def pulled(turns: float, folder: str) -> tuple[float, float, float]:
     # The jerk at the start is over at 1 % of strain; means over 0.5 % leave out waves.
     table = tables.read(f"{folder}/stress.csv")
     bins = np.arange(0.01, table["strain"][-1] - 0.004, 0.005)
-    stress = [table["stress_left_GPa"][(table["strain"] >= a) & (table["strain"] < a + 0.005)].mean()
+    stress = [table["stress_left_GPa"][np.abs(table["strain"] - a - 0.0025) < 0.0025].mean()
               for a in bins]
     chords = np.diff(yarn.strands(), axis=1)
     return (float(np.arccos(np.abs(chords[..., 0]) / 2).mean()), 1e3 * max(stress),

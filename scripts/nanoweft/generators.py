@@ -430,7 +430,8 @@ def yarn(file: File, how: Yarn, radius: float = 3e-7) -> int:
         gaps = [3, *range(3 + first, how.length - 6, how.staple), how.length - 4]
         fibres += [(x[a + 1:b], q[a + 1:b]) for a, b in zip(gaps, gaps[1:]) if b - a > 2]
     every = np.concatenate([x for x, _ in fibres])
-    state = states.of_fibres(fibres, every.min(axis=0) - 30 * radius, every.max(axis=0) + 30 * radius)
+    room = 30 * radius
+    state = states.of_fibres(fibres, every.min(axis=0) - room, every.max(axis=0) + room)
     state.units = "si"
     states.write(file, states.at_rest(state))
     return len(fibres)

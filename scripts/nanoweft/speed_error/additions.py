@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import beams
-from ..verification import kinds, links, rest
+from ..verification import contacts, kinds, links, rest
 from .matrix import machine
 
 COLUMNS = ["kind", "name", "T", "error", "alone_ns", "alone_ratio", "alone_spread", "weave_ns",
@@ -118,8 +118,19 @@ def adhesion(times):
     return found / exact - 1
 
 
+def contact(times):
+    """Two fibres crossed at a right angle, 0.23 of a segment off a centre."""
+    return contacts.crossed_force(f"speed_contact_{times:g}", 0.23, times * beams.TUBE.T) - 1
+
+
+def wall(times):
+    """A fibre pressed on a floor."""
+    return contacts.pressed(f"speed_wall_{times:g}", times * beams.TUBE.T)[0] - 1
+
+
 ERRORS = {"kinds: adhesion of two unequal tubes": adhesion, "rest shape: ring, pinched": ring,
-          "links: ladder, bent": ladder, "kinks: tube at 0.9 of its critical moment": kink}
+          "links: ladder, bent": ladder, "kinks: tube at 0.9 of its critical moment": kink,
+          "contact: crossed fibres": contact, "wall: a fibre on a floor": wall}
 LENGTHS = (0.5, 1, 2, 4)
 TOO_SLOW = "rest shape: ring, pinched", 0.5  # half a minute by FIRE
 

@@ -1,10 +1,10 @@
-"""The section about kinds, rest shapes, links and kinks, from additions.csv."""
+"""The section about what was added to the paper's model, from additions.csv."""
 
 from .additions import LENGTHS, SEGMENTS
 from .page import number, table
 
 TEXT = """
-## Kinds, rest shapes, links and kinks
+## Kinds, rest shapes, links, kinks, bond laws, contacts and walls
 
 Made by `{command}` on {machine} in {seconds} s; rows in [additions.csv](additions.csv).
 A step of a weave of 24 x 24 tubes of 120 segments ({segments}), with pair forces and with bonds
@@ -17,7 +17,8 @@ The first row repeats the plain run and shows the noise; what is `off` costs not
 kink or a rest shape adds to a bond's work, which is a small part of a step with pair forces. Two
 kinds send pairs of unequal fibres through a slower kernel
 ([kinds](../../src/manual/kinds.md#mixed-sizes-and-what-they-cost)). There are {links} links
-among {segments} segments.
+among {segments} segments. Contacts are computed at a closest approach instead of points, and here
+they replace the nanotubes' adhesion, so the two have different pairs; the wall is out of touch.
 
 Errors against closed forms, where the fibre stays and its segments' length T changes:
 
@@ -27,8 +28,9 @@ Adhesion: a (10,10) tube cut into segments of T beside one of twice its radius, 
 against the integral over both axes. Ring: of 64 diameters, at rest as a ring, between two
 forces, against (pi/4 - 2/pi) F R^3/EJ. Ladder: 40 diameters long with ten rungs, against beams
 that pass forces at the rungs: bonds are exact at their nodes, what is left is the load's size.
-Kink: against M L/EJ. The ring's and the tube's errors fall with the square of T. Half of T
-means twice as many segments and a shorter stable step.
+Kink: against M L/EJ. Contact: force between fibres crossed at a right angle, against Hertz's, and
+depth of a fibre pressed on a floor, against Hertz's line: how fibres are cut does not matter. The ring's and
+the tube's errors fall with the square of T. Half of T means twice as many segments and a shorter stable step.
 """
 
 

@@ -15,28 +15,33 @@ MODULUS = 20.0  # E*, GPa
 TOUCH = f"-scene file -scene_file {{dir}}/in.h5 -pair contact -contact_modulus {MODULUS:g} "
 
 
-def straight(start, axis, count):
-    """A straight fibre along x (0) or y (1)."""
+def straight(start, axis, count, length=T):
+    """A straight fibre of segments of this length along x (0) or y (1)."""
     x = np.tile(np.asarray(start, float), (count, 1))
-    x[:, axis] += T * np.arange(count)
+    x[:, axis] += length * np.arange(count)
     turn = no_rotation(count) if axis == 0 else rotation_about((0, 0, 1),
                                                               np.full(count, math.pi / 2))
     return x, turn
 
 
+def crossed_force(name, place, length=T):
+    """Between two fibres crossed at a right angle `place` segments off a centre, over Hertz's."""
+    folder, overlap = new_folder(name), 0.05
+    exact = 4 / 3 * MODULUS * GPA * math.sqrt(RADIUS) * overlap**1.5
+    write_state(folder / "in.h5", [
+        straight(((place - 3) * length, 0, 0), 0, 7, length),
+        straight((0, -3.1 * length, 2 * RADIUS - overlap), 1, 7, length)])
+    simulate(folder.name, TOUCH + f"-fibre_segment_length {length!r} -ts_max_steps 0 "
+             "-state_output {dir}/out.h5 -state_forces")
+    return states.read(folder / "out.h5")["force"][7:, 2].sum() / exact
+
+
 def crossed():
     """Force between two fibres crossed at a right angle, wherever along a segment."""
-    rows, overlap = [], 0.05
-    exact = 4 / 3 * MODULUS * GPA * math.sqrt(RADIUS) * overlap**1.5
-    for place in (0.0, 0.23, 0.5):
-        folder = new_folder(f"contact_crossed_{place:g}")
-        write_state(folder / "in.h5", [straight(((place - 3) * T, 0, 0), 0, 7),
-                                       straight((0, -3.1 * T, 2 * RADIUS - overlap), 1, 7)])
-        simulate(folder.name, TOUCH + "-ts_max_steps 0 -state_output {dir}/out.h5 -state_forces")
-        force = states.read(folder / "out.h5")["force"][7:, 2].sum()
-        rows.append(relative(CONTACTS, f"crossed fibres that meet {place:g} T off a centre: force, eV/A",
-                             exact, force, 1e-8, "round-off"))
-    return rows
+    what = "crossed fibres that meet {:g} T off a centre: force over Hertz's"
+    return [relative(CONTACTS, what.format(place),
+                     1.0, crossed_force(f"contact_crossed_{place:g}", place), 1e-8, "round-off")
+            for place in (0.0, 0.23, 0.5)]
 
 
 def collision():
@@ -102,7 +107,7 @@ def speed_over(name, pull, radius, friction):
 
 
 def capstan():
-    """The ratio of tensions at which a fibre slides over a rod: it rests 1 % below, goes 1 % above."""
+    """A fibre over a rod rests 1 % below the closed form's ratio of tensions and slides 1 % above."""
     radius, friction = 150.0, 0.3
     # Friction acts at the rod's surface, tension at the fibre's axis.
     most = math.exp(friction * math.pi * radius / (radius + RADIUS))
@@ -114,22 +119,27 @@ def capstan():
                 max(0.0, 2e-6 - above), 1e-12, "it slides")]
 
 
-def floor():
-    """Depth of a fibre pressed on a floor."""
-    press = 0.01
-    folder = new_folder("wall_floor")
-    write_state(folder / "in.h5", [straight((0, 0, RADIUS), 0, 10)], [1] * 10)
-    simulate(folder.name, "-scene file -scene_file {dir}/in.h5 -pair none -walls floor "
-             f"-floor_point 0,0,0 -floor_axis 0,0,1 -floor_modulus {MODULUS:g} -bc all -all_group 0 "
-             f"-all_force 0,0,{-press} -damping_local 0.5 -ts_dt 10 -ts_max_steps 10000 "
-             "-wall_monitor ascii:{dir}/walls.csv -monitor_interval 1000 "
-             "-state_output {dir}/out.h5")
+def pressed(name, length=T):
+    """Depth of a fibre pressed on a floor, over that of Hertz's line, and the force on the floor
+    over what presses."""
+    press, folder = 0.01, new_folder(name)
+    write_state(folder / "in.h5", [straight((0, 0, RADIUS), 0, 10, length)], [1] * 10)
+    simulate(name, "-scene file -scene_file {dir}/in.h5 -pair none -walls floor "
+             f"-floor_point 0,0,0 -floor_axis 0,0,1 -floor_modulus {MODULUS:g} "
+             f"-bc all -all_group 0 -all_force 0,0,{-press} -damping_local 0.5 -ts_dt 10 -ts_max_steps 10000 "
+             f"-fibre_segment_length {length!r} -wall_monitor ascii:{{dir}}/walls.csv "
+             "-monitor_interval 1000 -state_output {dir}/out.h5")
     depth = RADIUS - states.read(folder / "out.h5")["position"][:, 2].mean()
-    force = tables.read(folder / "walls.csv")["floor_force_z"][-1]
-    return [relative(WALLS, "fibre pressed on a floor: depth, A",
-                     press / (math.pi / 4 * MODULUS * GPA * T), depth, 1e-6,
-                     "rest of damping"),
-            relative(WALLS, "the same: force on the floor, eV/A", -10 * press, force, 1e-6,
+    return (depth / (press / (math.pi / 4 * MODULUS * GPA * length)),
+            tables.read(folder / "walls.csv")["floor_force_z"][-1] / (-10 * press))
+
+
+def floor():
+    """A fibre pressed on a floor."""
+    depth, force = pressed("wall_floor")
+    return [relative(WALLS, "fibre pressed on a floor: depth over that of Hertz's line", 1.0, depth,
+                     1e-6, "rest of damping"),
+            relative(WALLS, "the same: force on the floor over what presses", 1.0, force, 1e-6,
                      "rest of damping")]
 
 
@@ -166,8 +176,9 @@ def lattice():
                  "-ts_max_steps 40 -box_monitor ascii:{dir}/box.csv -monitor_interval 40")
         table = tables.read(folder / "box.csv")
         for along, share in ((axis, 3), ("yx"["xy".index(axis)], 1)):
-            rows.append(relative(BOX, f"triangular lattice pulled along {axis}: stress along {along}, GPa",
-                                 share * lame * strain, table[2 * along + "_GPa"][-1], 1e-3,
+            what = f"triangular lattice pulled along {axis}: stress along {along}, GPa"
+            rows.append(relative(BOX, what, share * lame * strain,
+                                 table[2 * along + "_GPa"][-1], 1e-3,
                                  "strain of 1e-4"))
     return rows
 
