@@ -64,7 +64,10 @@ class Table:
     def balance(self) -> Array:
         """What would be constant if time steps had no error."""
         balance = self["total"] + self["damped"] + self["broken"] - self["external"]
-        return np.asarray(balance - self["heat"] if "heat" in self else balance)
+        for column, sign in (("friction", 1), ("heat", -1)):  # that only some runs have
+            if column in self:
+                balance = balance + sign * self[column]
+        return np.asarray(balance)
 
     @property
     def options(self) -> list[str]:

@@ -42,7 +42,8 @@ def one_system(tables: Tables) -> str:
 def largest_change(table: Table) -> float:
     """Of any energy in the run."""
     exchanged = [table.elastic, table.motion,
-                 *(table[name] for name in ("pair", "damped", "broken", "external", "heat")
+                 *(table[name] for name in ("pair", "damped", "broken", "external",
+                                            "friction", "heat")
                    if name in table)]
     return max(float(np.ptp(values)) for values in exchanged) or 1.0
 
