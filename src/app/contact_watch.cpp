@@ -21,12 +21,31 @@ class ContactWatch : public Observer {
   }
 
  private:
-  void look(const Moment& moment);
+  void look(const Moment& moment) {
+    lookAtPairs(moment);
+    lookAtWalls(moment);
+  }
+  void lookAtPairs(const Moment& moment);
+  void lookAtWalls(const Moment& moment);
 
-  bool warned_ = false;
+  bool warned_ = false, warnedOfWalls_ = false;
 };
 
-void ContactWatch::look(const Moment& moment) {
+void ContactWatch::lookAtWalls(const Moment& moment) {
+  const ForceField& forces = moment.system.forces;
+  if (warnedOfWalls_ || !forces.walls()) return;
+  const WallForces::Depth d = forces.walls().deepest(moment.state(), forces.nearest());
+  if (!(d.radii > deepest)) return;
+  warnedOfWalls_ = true;
+  PetscPrintf(
+      moment.state().comm(),
+      "warning: step %lld: fibre %lld segment %d is %.0f %% of a radius deep in the wall %s; "
+      "what its law says is doubtful there\n",
+      static_cast<long long>(moment.step()), static_cast<long long>(d.fibre), d.index,
+      100.0 * d.radii, forces.walls().list()[static_cast<std::size_t>(d.wall)].name.c_str());
+}
+
+void ContactWatch::lookAtPairs(const Moment& moment) {
   const ForceField& forces = moment.system.forces;
   if (warned_ || !forces.pairs()) return;
   const Overlap o = deepestOverlap(moment.state(), forces, deepest);

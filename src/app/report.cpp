@@ -171,14 +171,32 @@ void printTension(MPI_Comm comm, const Tension& t, const UnitSystem& units) {
               course.c_str(), units.time);
 }
 
-void printThermostat(const RunPlan& plan) {
+void printWall(MPI_Comm comm, const Wall& w, const UnitSystem& units) {
+  static constexpr const char* shapes[] = {"plane through", "cylinder around", "sphere around"};
+  std::string text = format("  wall %s: %s %g,%g,%g %s", w.name.c_str(), shapes[w.shape], w.point.x,
+                            w.point.y, w.point.z, units.length);
+  if (w.shape != Wall::sphere)
+    text += format(", axis %.4g,%.4g,%.4g", w.axis.x, w.axis.y, w.axis.z);
+  if (w.shape != Wall::plane)
+    text += format(", radius %g %s%s", w.radius, units.length, w.inside ? ", fibres inside" : "");
+  text += format(", E* %.4g GPa", w.modulus[0] / units.gigapascal);
+  if (w.friction) text += format(", friction %g", w.friction.mu);
+  if (w.driven())
+    text += format(", driven by %g,%g,%g %s", w.force.x, w.force.y, w.force.z, units.force);
+  else if (norm(w.velocity) > 0 || w.spin != 0)
+    text += ", moves";
+  PetscPrintf(comm, "%s\n", text.c_str());
+}
+
+void printThermostat(const RunPlan& plan, bool rubs) {
   const Thermostat& t = *plan.settings.thermostat;
   const std::string text =
       format("  temperature %g K by Langevin's equation, damping %g 1/%s%s, seed %llu\n", t.kelvin,
              t.damping, plan.units.time, t.drawsStart ? ", velocities drawn at the start" : "",
              static_cast<unsigned long long>(t.seed));
   PetscPrintf(plan.comm, "%s", text.c_str());
-  if (t.kelvin > 0 && (plan.settings.damping > 0 || plan.settings.viscous || plan.kinds.viscous()))
+  if (t.kelvin > 0 &&
+      (plan.settings.damping > 0 || plan.settings.viscous || plan.kinds.viscous() || rubs))
     PetscPrintf(plan.comm,
                 "  warning: other damping takes heat out beside the thermostat, so that the fibres "
                 "stay colder than %g K\n",
@@ -241,7 +259,9 @@ void printHeader(const RunParts& parts, const Moment& start) {
     if (const auto& law = plan.breakage[k]) printBreakage(plan.comm, *law, plan.kinds[k], units);
   if (parts.state->linked) printLinks(parts);
   if (tension) printTension(plan.comm, *tension, units);
-  if (plan.settings.thermostat) printThermostat(plan);
+  if (plan.settings.thermostat) printThermostat(plan, parts.state->extras().friction);
+  for (const Wall& wall : plan.walls) printWall(plan.comm, wall, units);
+  if (plan.boxDrive) PetscPrintf(plan.comm, "  box: %s\n", plan.boxDrive.text().c_str());
   printStep(parts);
   if (plan.boundaries.tensionGoesOn())
     PetscPrintf(
@@ -334,12 +354,14 @@ void printSummary(const RunParts& parts, const Moment& end, const Clock& clock) 
   printEnd(parts, end);
   if (end.step() == clock.step) return;
   printSpeed(parts, end, clock);
-  const bool heated = plan.settings.thermostat.has_value();
+  const bool heated = plan.settings.thermostat.has_value(), rubs = end.state().extras().friction;
+  const std::string others = (rubs ? format(", friction %.6g", e.friction) : "") +
+                             (heated ? format(", heat %.6g", e.heat) : "");
   PetscPrintf(plan.comm,
-              "energy balance: total + damped + broken - external%s drifted by %.3g %s (damped "
+              "energy balance: total + damped + broken%s - external%s drifted by %.3g %s (damped "
               "%.6g, external %.6g, broken %.6g%s)\n",
-              heated ? " - heat" : "", e.balance() - end.first.balance(), plan.units.energy,
-              e.damped, e.external, e.broken, heated ? format(", heat %.6g", e.heat).c_str() : "");
+              rubs ? " + friction" : "", heated ? " - heat" : "", e.balance() - end.first.balance(),
+              plan.units.energy, e.damped, e.external, e.broken, others.c_str());
   printDampingShare(plan, e);
   if (parts.limits.lowest < parts.limits.first)
     PetscPrintf(plan.comm, "stable step: %.4g %s at the start, %.4g at the lowest\n",

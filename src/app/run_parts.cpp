@@ -53,6 +53,13 @@ void takeRestOfKinds(State& state, const Kinds& kinds) {
 }
 
 /// For each kind of link five numbers, as RunParts::linkNumbers.
+/// A new run may have other walls than the one that left the state.
+void forgetWallContacts(State& state) {
+  constexpr int slots = contactSlots;
+  for (int k = 0; k < slots * state.owned(); ++k)
+    if (state.contact[k] < 0) state.contact[k] = 0, std::fill_n(state.spring + 3 * k, 3, 0.0);
+}
+
 std::vector<double> linkNumbersOf(const LinkLaws& laws) {
   std::vector<double> numbers;
   for (const LinkLaw& law : laws)
@@ -87,6 +94,8 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
   goOn();
   share();
   if (!plan->checkpoint && forces->pairs() && !plan->settings.allowOverlap) refuseOverlap();
+  if (!plan->checkpoint && forces->walls() && !evaluatesOnly() && !plan->settings.startUnchecked)
+    refuseInWalls();
   chooseStep();
 }
 
@@ -133,6 +142,7 @@ void RunParts::fillState() {
   } else {
     plan->scene->fill(*state);
     if (flows && plan->kinds.curved()) takeRestOfKinds(*state, plan->kinds);
+    if (extras.friction) forgetWallContacts(*state);
   }
   if (extras.ends) plan->checkpoint ? state->recallFreeEnds() : state->noteFreeEnds();
   requireWideBox(plan->box, 1.5 * plan->kinds.longest(), units.length);
@@ -266,6 +276,17 @@ void RunParts::refuseOverlap() const {
       "move them apart (or -pair_allow_overlap)",
       static_cast<long long>(c.fibre[0]), c.index[0], static_cast<long long>(c.fibre[1]),
       c.index[1], c.distance, units.length, c.sensible, units.length));
+}
+
+void RunParts::refuseInWalls() const {
+  // Deeper than a radius, the fibre's axis is inside the wall.
+  const WallForces::Depth d = forces->walls().deepest(*state, forces->nearest());
+  if (d.radii <= 1.0) return;
+  throw InputError(
+      format("fibre %lld segment %d is %.3g of its radii deep in the wall %s; move one of them (or "
+             "-start_unchecked)",
+             static_cast<long long>(d.fibre), d.index, d.radii,
+             plan->walls[static_cast<std::size_t>(d.wall)].name.c_str()));
 }
 
 double RunParts::defaultTimeStep() {

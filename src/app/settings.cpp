@@ -36,6 +36,24 @@ const StepperKind* readStepper(OptionSection& run) {
   return &*std::ranges::find(stepperKinds(), name, &StepperKind::name);
 }
 
+/// When a run is at rest.
+void readRelaxation(Options& options, const UnitSystem& units, RunSettings& r) {
+  OptionSection free = OptionSection(options, "Run").as(Role::run);
+  r.relaxTolerance = free.real(
+      "relax_tolerance", 0.0, "",
+      "end when the elastic energy changes by less than this fraction in an interval; 0: do not",
+      nonNegative);
+  r.relaxForce = free.real("relax_force", 0.0, units.force,
+                           "end when no segment feels a larger force, or torque over segment "
+                           "length, that nothing balances; 0: do not",
+                           nonNegative);
+  OptionSection relax =
+      OptionSection(options, "Run", r.relaxTolerance > 0, "-relax_tolerance is not set")
+          .as(Role::run);
+  r.relaxInterval =
+      relax.integer("relax_interval", 5000, "steps between checks of -relax_tolerance", 1, most);
+}
+
 void readDamping(Options& options, const UnitSystem& units, bool pairs, RunSettings& r) {
   const bool minimises = r.stepper->minimises;
   const std::string needsNone = "-relax_method " + r.stepper->name + " brings its own damping";
@@ -157,19 +175,7 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   r.maxTime =
       free.maybeReal("ts_max_time", "none", units.time, "time at which the run ends", nonNegative);
   r.wallTime = readWallTime(free);
-  r.relaxTolerance = free.real(
-      "relax_tolerance", 0.0, "",
-      "end when the elastic energy changes by less than this fraction in an interval; 0: do not",
-      nonNegative);
-  r.relaxForce = free.real("relax_force", 0.0, units.force,
-                           "end when no segment feels a larger force, or torque over segment "
-                           "length, that nothing balances; 0: do not",
-                           nonNegative);
-  OptionSection relax =
-      OptionSection(options, "Run", r.relaxTolerance > 0, "-relax_tolerance is not set")
-          .as(Role::run);
-  r.relaxInterval =
-      relax.integer("relax_interval", 5000, "steps between checks of -relax_tolerance", 1, most);
+  readRelaxation(options, units, r);
   r.seed = static_cast<std::uint64_t>(run.integer("seed", 1, "of all random numbers", 0, most));
   r.perturb =
       run.real("scene_perturb", 0.0, units.length,

@@ -88,14 +88,7 @@ void Simulation::step() {
   DriftReport drift;
   {
     const LogScope log(driftEvent_);
-    system_.accounts.damped.merge(system_.forces.flow(system_.state));
-    // Bonds that broke in the last evaluation; those that break while segments move wait for the
-    // next time, since not all ranks know of them yet.
-    parts_->plan->boxDrive.strain(system_.state, system_.forces, system_.state.time,
-                                  parts_->stepper->dt(), system_.accounts.external);
-    system_.forces.walls().move(system_.state.comm(), system_.state.time, parts_->stepper->dt(),
-                                system_.accounts.external);
-    if (system_.state.extras().ends && system_.forces.breakage()) system_.state.noteFreeEnds();
+    changeBetweenSteps();
     drift = parts_->stepper->move(system_);
   }
   energies_.reset();
@@ -119,6 +112,19 @@ void Simulation::step() {
   note(outcome, request.energies);
   const Moment end = moment();
   for (const auto& observer : observers_) observer->observe(end);
+}
+
+void Simulation::changeBetweenSteps() {
+  State& state = system_.state;
+  ForceField& forces = system_.forces;
+  EnergyAccounts& accounts = system_.accounts;
+  const double dt = parts_->stepper->dt();
+  accounts.damped.merge(forces.flow(state));
+  parts_->plan->boxDrive.strain(state, forces, state.time, dt, accounts.external);
+  forces.walls().move(state.comm(), state.time, dt, accounts.external);
+  // Bonds that broke in the last evaluation; those that break while segments move wait for the
+  // next time, since not all ranks know of them yet.
+  if (state.extras().ends && forces.breakage()) state.noteFreeEnds();
 }
 
 bool Simulation::drivesBox() const {

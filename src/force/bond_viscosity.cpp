@@ -4,14 +4,6 @@
 
 namespace nanoweft {
 
-namespace {
-
-Vec3d triple(const double* of, int i) {
-  return {of[3 * i], of[3 * i + 1], of[3 * i + 2]};
-}
-
-}  // namespace
-
 void addBondViscosity(State& state, const Kinds& kinds, const MinimumImage& nearest,
                       const BondList& bonds, int thread, Share share) {
   auto add = [&](int i, const Vec3d& force, const Vec3d& torque) {

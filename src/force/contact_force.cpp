@@ -13,7 +13,7 @@ namespace nanoweft {
 namespace {
 
 /// Which ends of the lanes' segments are free: the fourth number of a pose is the kind, a quarter
-/// for a free end behind the segment and a half for one before it (State::setFreeEnds).
+/// for a free end behind the segment and a half for one before it (State::noteFreeEnds).
 FreeEnds<Lanes> freeEndsOf(const double* pose, const std::int32_t* index) {
   double previous[laneCount], next[laneCount];
   for (int k = 0; k < laneCount; ++k) {
@@ -127,12 +127,9 @@ class ContactSum {
     double* const atJ = job_.mine(j) ? history.find(state, j, state.row[i]) : nullptr;
     double* const spring = atI ? atI : atJ;
     if (!spring) return;
-    auto velocity = [](const double* of, std::int32_t k) {
-      return Vec3d{of[3 * k], of[3 * k + 1], of[3 * k + 2]};
-    };
     const auto action = laws_.friction.act(patch, r, ei, laws_.radius.i,
-                                           {velocity(job_.velocity, i), velocity(job_.velocity, j),
-                                            velocity(job_.angular, i), velocity(job_.angular, j)},
+                                           {triple(job_.velocity, i), triple(job_.velocity, j),
+                                            triple(job_.angular, i), triple(job_.angular, j)},
                                            advance, spring);
     if (atI && atJ) std::copy_n(atI, 3, atJ);
     auto add = [&](std::int32_t k, double sign, const Vec3d& torque) {

@@ -161,15 +161,12 @@ ExactSum ForceField::flow(State& state) const {
   return lost;
 }
 
-ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
+ForceField::Tallies ForceField::startTallies(const ForceRequest& request, bool viscous) {
   const auto threads = shares().size();
-  const bool pairs = static_cast<bool>(settings_.pairs);
-  if (owed_) throw std::logic_error("pair forces have not been handed over");
   // followed_: bonds that broke during a ForcePass count, even if their forces are computed again.
-  const bool viscous = state.extras().viscous && request.viscous;
   Tallies tallies{request,
                   viscous && settings_.kinds.viscous(),
-                  viscous && pairs && (settings_.viscous || settings_.pairs.rubs()),
+                  viscous && settings_.pairs && (settings_.viscous || settings_.pairs.rubs()),
                   lists_.takeDrawing(),
                   std::exchange(followed_, {}),
                   std::vector<PairTally>(threads),
@@ -177,6 +174,15 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   tallies.bonds.resize(threads);
   for (std::size_t t = 0; t < threads; ++t)
     tallies.bonds[t].energyUnit = tallies.pairs[t].energyUnit = energyUnit_;
+  return tallies;
+}
+
+ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
+  const auto threads = shares().size();
+  const bool pairs = static_cast<bool>(settings_.pairs);
+  if (owed_) throw std::logic_error("pair forces have not been handed over");
+  const bool viscous = state.extras().viscous && request.viscous;
+  Tallies tallies = startTallies(request, viscous);
   const bool ownKnown = std::exchange(bondsKnown_, false) && !request.energies;
   {
     const LogScope log(haloEvent_);

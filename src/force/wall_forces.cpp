@@ -1,6 +1,7 @@
 #include "nanoweft/force/wall_forces.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -14,10 +15,6 @@ void addTo(ExactSum* sum, const Vec3d& v, double sign, const SumUnit& unit) {
   sum[0].add(sign * v.x, unit);
   sum[1].add(sign * v.y, unit);
   sum[2].add(sign * v.z, unit);
-}
-
-Vec3d triple(const double* of, int i) {
-  return {of[3 * i], of[3 * i + 1], of[3 * i + 2]};
 }
 
 void addAt(double* to, const Vec3d& v) {
@@ -206,6 +203,25 @@ void WallForces::restore(const RunRecord& record, int rank) {
       std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(3 * c), 3,
                   (c < 3 ? felt_[w].force[c] : felt_[w].torque[c - 3]).data());
   }
+}
+
+WallForces::Depth WallForces::deepest(const State& state, const MinimumImage& nearest) const {
+  Depth deepest{0, std::numeric_limits<std::int64_t>::max(), 0, 0, 0};
+  auto deeper = [](const Depth& a, const Depth& b) {
+    return a.radii != b.radii ? a.radii > b.radii : a.row < b.row;
+  };
+  for (int i = 0; i < state.owned(); ++i)
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+      const double radius = kinds_[state.kind(i)].radius;
+      const double gap = walls_[w].see(nearest(state.position(i) - walls_[w].at())).gap;
+      const Depth own{(radius - gap) / radius, state.row[i], state.fibre[i], state.chain[2 * i],
+                      static_cast<std::int32_t>(w)};
+      if (deeper(own, deepest)) deepest = own;
+    }
+  std::vector<Depth> all(static_cast<std::size_t>(state.ranks()));
+  MPI_Allgather(&deepest, sizeof deepest, MPI_BYTE, all.data(), sizeof deepest, MPI_BYTE,
+                state.comm());
+  return *std::ranges::min_element(all, deeper);
 }
 
 double WallForces::kinetic() const {

@@ -55,19 +55,22 @@ double BoxDrive::Axis::nextLength(double length, double start, double time, doub
   return until != 0 && (rate > 0 ? next > end : next < end) ? end : next;
 }
 
-BoxDrive::BoxDrive(Options& options, const UnitSystem& units) : unit_(units.gigapascal) {
-  bool driven = false;
+BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
+    : unit_(units.gigapascal), time_(units.time) {
+  bool driven = false, rated = false;
   for (std::size_t d = 0; d < 3; ++d) {
     axes_[d].read(options, units, std::string("deform_") + names[d]);
     active_ = active_ || axes_[d].mode != held;
     driven = driven || axes_[d].mode == stress;
+    rated = rated || axes_[d].mode == rate;
   }
   const std::string perTime = std::string("1/") + units.time;
   OptionSection any(options, topic, active_, "no -deform_x, _y or _z");
   interval_ =
       any.integer("deform_interval", 20, "steps between measurements of the stress", 1, 1000000);
-  ramp_ = any.real("deform_ramp", 0.0, units.time, "rates of strain grow linearly for this long",
-                   nonNegative);
+  OptionSection ofRates(options, topic, rated, "no direction is strained at a rate");
+  ramp_ = ofRates.real("deform_ramp", 0.0, units.time,
+                       "rates of strain grow linearly for this long", nonNegative);
   thickness_ = any.real("deform_thickness", 0.0, units.length,
                         "of a sheet, for stresses; 0: that of the box", nonNegative);
   OptionSection servo(options, topic, driven, "no direction is driven to a stress");
@@ -76,6 +79,19 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units) : unit_(units.giga
   relaxes_ = servo.real("deform_time", 2000.0, units.time, "in this time", positive);
   most_ =
       servo.real("deform_most_rate", 1e-5, perTime.c_str(), "but no faster than this", positive);
+}
+
+std::string BoxDrive::text() const {
+  std::string text;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const Axis& axis = axes_[d];
+    if (axis.mode == held) continue;
+    text += (text.empty() ? "" : "; ") + std::string("along ") + names[d] + " ";
+    text += axis.mode == rate      ? format("strained at %g 1/%s", axis.rate, time_)
+            : axis.mode == program ? "strain " + axis.legs->text() + " 1/" + time_
+                                   : format("driven to %g GPa", axis.target);
+  }
+  return text;
 }
 
 void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {

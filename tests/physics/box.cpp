@@ -121,6 +121,7 @@ TEST(Box, WhatCannotBeMeantIsRefused) {
       {"-weave_periodic -deform_x_rate 1e-6", {"-deform_x_rate", "held"}},
       {"-weave_periodic -deform_x rate -deform_x_rate 1e-6 -deform_x_until -0.1",
        {"-deform_x_until"}},
+      {"-weave_periodic -deform_x free -deform_ramp 100", {"-deform_ramp"}},
       {"-weave_periodic -deform_x program", {"-deform_x_program"}},
       {"-weave_periodic -deform_x program -deform_x_program 0.1", {"-deform_x_program", "odd"}},
       {"-weave_periodic -deform_x free -deform_x_stress 1", {"-deform_x_stress"}},

@@ -137,6 +137,25 @@ TEST(Walls, AFibreOverARodHoldsToTheCapstanEquationWithinOnePercent) {
   EXPECT_GT(speedOver(1.01 * most, R), 2e-6);
 }
 
+TEST(Walls, FibresInsideThemAreRefusedAndDeepContactsWarnOnce) {
+  const Folder folder;
+  for (const int ranks : {1, 3}) {
+    writeState(folder / "in.h5",
+               {straightFibre({0, 0, 9}, {1, 0, 0}, 6), straightFibre({0, 30, -1}, {1, 0, 0}, 6)});
+    expectRefused(run(folder, fromFile + floorWall + "-ts_max_steps 10", ranks),
+                  {"fibre 1 segment 0", "wall floor", "-start_unchecked"});
+    writeState(folder / "in.h5", {straightFibre({0, 0, 9}, {1, 0, 0}, 6),
+                                  straightFibre({0, 30, 0.5 * rf}, {1, 0, 0}, 6)});
+    const auto outcome = run(folder, fromFile + floorWall + "-ts_max_steps 300 -ts_dt 5", ranks);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    const std::string words = "fibre 1 segment 0 is 50 % of a radius deep in the wall floor";
+    const auto first = outcome.output.find(words);
+    EXPECT_NE(first, std::string::npos) << outcome.output;
+    EXPECT_EQ(outcome.output.find("deep in the wall", first + words.size()), std::string::npos);
+    EXPECT_NE(outcome.output.find("wall floor: plane through 0,0,0"), std::string::npos);
+  }
+}
+
 TEST(Walls, ThatCannotBeMeantAreRefused) {
   const Folder folder;
   const std::string fibre = "-scene fibre -fibre_segments 5 -pair none -ts_max_steps 1 ";

@@ -65,6 +65,8 @@ struct RunParts {
   void checkStart();
   void perturb();
   void refuseOverlap() const;
+  /// Refuses a start with fibres inside walls.
+  void refuseInWalls() const;
   void chooseStep();
   double defaultTimeStep();
 };

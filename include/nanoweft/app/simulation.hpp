@@ -33,10 +33,12 @@ class Simulation : private RunBook {
   /// Evaluates the first state.
   void begin();
   void step();
-  /// Ranks tell each other what they have noticed or wish, then make the lists anew if needed.
+  /// What moves or flows by itself before the segments move: rest shapes, the box, walls.
+  void changeBetweenSteps();
   bool drivesBox() const;
   /// Where it is due, measures the stress for a box that is driven.
   void measureBox();
+  /// Ranks tell each other what they have noticed or wish, then make the lists anew if needed.
   void agreeAndPrepare(const DriftReport& drift);
   View widestView();
   /// Takes up the outcome of an evaluation; `energies`: the outcome has them.

@@ -30,6 +30,11 @@ struct Vec3 {
 
 using Vec3d = Vec3<double>;
 
+/// The i-th of consecutive triples.
+inline Vec3d triple(const double* of, int i) {
+  return {of[3 * i], of[3 * i + 1], of[3 * i + 2]};
+}
+
 template <class V>
 NW_INLINE V dot(const Vec3<V>& a, const Vec3<V>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;

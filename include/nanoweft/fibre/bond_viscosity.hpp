@@ -19,8 +19,8 @@
 
 namespace nanoweft {
 
-/// Velocities of a bond's segments i and j, space axes.
-struct BondVelocities {
+/// Velocities and angular velocities of two segments i and j, space axes.
+struct TwoVelocities {
   Vec3d vi, vj, wi, wj;
 };
 
@@ -30,7 +30,7 @@ struct BondViscosity {
 
   explicit operator bool() const { return stretch > 0 || shear > 0 || bending > 0 || torsion > 0; }
 
-  BondForce<double> force(const BondGeometry<double>& bond, const BondVelocities& u) const {
+  BondForce<double> force(const BondGeometry<double>& bond, const TwoVelocities& u) const {
     const double r = norm(bond.separation), inverse = 1.0 / r;
     const Vec3d d = inverse * bond.separation, v = u.vj - u.vi;
     const double longer = dot(v, d);

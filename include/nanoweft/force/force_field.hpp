@@ -83,6 +83,7 @@ class ForceField {
  private:
   friend class ForcePass;
   struct Tallies;
+  Tallies startTallies(const ForceRequest& request, bool viscous);
   PairJob pairJob(const State& state, std::size_t thread, bool viscous);
   void addPairs(State& state, std::size_t thread, bool outer, Tallies& tallies);
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);

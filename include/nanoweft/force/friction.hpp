@@ -13,14 +13,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "nanoweft/fibre/bond_viscosity.hpp"
 #include "nanoweft/force/contact.hpp"
 
 namespace nanoweft {
-
-/// Velocities of two segments, space axes.
-struct PairVelocities {
-  Vec3d vi, vj, wi, wj;
-};
 
 struct FrictionLaw {
   double mu = 0;
@@ -37,7 +33,7 @@ struct FrictionLaw {
 
   /// `separation`: x_j - x_i; `radiusI`: of i's surface. The spring advances by the time `dt`.
   Action act(const ContactPatch& patch, const Vec3d& separation, const Vec3d& ei, double radiusI,
-             const PairVelocities& u, double dt, double* spring) const {
+             const TwoVelocities& u, double dt, double* spring) const {
     const Vec3d n = patch.normal;
     const Vec3d leverI = patch.placeI * ei + (radiusI - 0.5 * patch.overlap) * n,
                 leverJ = leverI - separation;

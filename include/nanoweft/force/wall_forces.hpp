@@ -51,6 +51,14 @@ class WallForces {
   void move(MPI_Comm comm, double time, double dt, ExactSum& external);
   /// Force and torque that the walls feel, [6] a wall. Collective.
   std::vector<double> felt(MPI_Comm comm) const;
+  /// How deep a segment's surface is inside a wall at most, over its radius.
+  struct Depth {
+    double radii;  ///< 0 or less: none touches
+    std::int64_t row, fibre;
+    std::int32_t index, wall;
+  };
+  /// Of equally deep segments that with the lowest row. Collective.
+  Depth deepest(const State& state, const MinimumImage& nearest) const;
   /// Energy of motion of the driven walls.
   double kinetic() const;
 

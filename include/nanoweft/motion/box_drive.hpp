@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/options.hpp"
@@ -22,6 +23,8 @@ class BoxDrive {
   BoxDrive(Options& options, const UnitSystem& units);
 
   explicit operator bool() const { return active_; }
+  /// What happens to it, for people.
+  std::string text() const;
   /// Steps from one measurement of the stress to the next.
   long interval() const { return interval_; }
 
@@ -56,6 +59,7 @@ class BoxDrive {
   };
 
   double unit_;  ///< GPa in internal units
+  const char* time_;
   bool active_ = false;
   std::array<Axis, 3> axes_;
   long interval_ = 20;
