@@ -129,16 +129,16 @@ TEST(InternalViscosity, ABentFibreThatFliesAndSpinsKeepsItsMomenta) {
 TEST(InternalViscosity, ShortensTheStableStepAndIsCheckedWhenRead) {
   const Folder folder;
   const std::string fibre = "-scene fibre -fibre_segments 20 -pair none -ts_max_steps 1 ";
-  expectRefused(runAlone(folder, fibre + "-fibre_retardation 100 -ts_dt 20"), {"-ts_dt 20"});
-  const auto outcome = runAlone(folder, fibre + "-fibre_retardation 100 -ts_dt 10");
+  expectRefused(run(folder, fibre + "-fibre_retardation 100 -ts_dt 20"), {"-ts_dt 20"});
+  const auto outcome = run(folder, fibre + "-fibre_retardation 100 -ts_dt 10");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
-  expectRefused(runAlone(folder, fibre + "-fibre_retardation -1"), {"-fibre_retardation"});
-  expectRefused(runAlone(folder, fibre + "-fibre_retardation_each 1,-1,1,1"),
+  expectRefused(run(folder, fibre + "-fibre_retardation -1"), {"-fibre_retardation"});
+  expectRefused(run(folder, fibre + "-fibre_retardation_each 1,-1,1,1"),
                 {"-fibre_retardation_each", "-1"});
-  expectRefused(runAlone(folder, fibre + "-fibre_retardation 1 -fibre_retardation_each 1,1,1,1"),
+  expectRefused(run(folder, fibre + "-fibre_retardation 1 -fibre_retardation_each 1,1,1,1"),
                 {"-fibre_retardation", "one of the two"});
-  expectRefused(runAlone(folder, fibre + "-fibre_yield_strain 0"), {"-fibre_yield_strain"});
-  expectRefused(runAlone(folder, fibre + "-fibre_yield_curvature nan"), {"-fibre_yield_curvature"});
+  expectRefused(run(folder, fibre + "-fibre_yield_strain 0"), {"-fibre_yield_strain"});
+  expectRefused(run(folder, fibre + "-fibre_yield_curvature nan"), {"-fibre_yield_curvature"});
 }
 
 /// Angle between the first axes of the first and the last segment, summed along the fibre.

@@ -52,7 +52,7 @@ class Collision {
         [&](std::size_t i, const Vec3d&) { return (i < segments ? speed : -speed) * direction_; },
         [](std::size_t, const Vec3d&) { return Vec3d{}; });
     const int every = static_cast<int>(std::lround(100 / dt));
-    const auto outcome = runAlone(
+    const auto outcome = run(
         folder, fromFile + "-ts_dt " + std::to_string(dt) + " -ts_max_time " +
                     std::to_string(time) + " -energy_monitor ascii:energy.csv -monitor_interval " +
                     std::to_string(every) + " -snapshot_file s -snapshot_interval " +
@@ -135,9 +135,9 @@ constexpr double apart = 1e-9, overlapping = 1e-10 * 6500;
 double expectDoubleSum(const std::vector<FibreInput>& fibres, double bound, int coinciding = 0) {
   const Folder folder;
   writeState(folder / "in.h5", fibres);
-  const auto outcome = runAlone(folder, fromFile +
-                                            "-pair_allow_overlap -ts_max_steps 0 -energy_monitor "
-                                            "ascii:energy.csv -state_output out.h5 -state_forces");
+  const auto outcome = run(folder, fromFile +
+                                       "-pair_allow_overlap -ts_max_steps 0 -energy_monitor "
+                                       "ascii:energy.csv -state_output out.h5 -state_forces");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   const auto x = readVectors(folder / "out.h5", "/state/position"),
              f = readVectors(folder / "out.h5", "/state/force"),
@@ -205,9 +205,9 @@ TEST(Collision, CoincidingPointsPushNeitherWay) {
   // force may have any value up to that of points at no distance, 2k 16.31 A/9 and a bit each.
   const Folder folder;
   writeState(folder / "in.h5", {one, backwards(one)});
-  const auto outcome = runAlone(folder, fromFile +
-                                            "-pair_allow_overlap -ts_max_steps 0 -energy_monitor "
-                                            "ascii:energy.csv -state_output out.h5 -state_forces");
+  const auto outcome = run(folder, fromFile +
+                                       "-pair_allow_overlap -ts_max_steps 0 -energy_monitor "
+                                       "ascii:energy.csv -state_output out.h5 -state_forces");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NEAR(readCsv(folder / "energy.csv").at("pair").front(), within, 1e-9 * within);
   const auto f = readVectors(folder / "out.h5", "/state/force");
@@ -225,7 +225,7 @@ TEST(Collision, OverlappingFibresAreRefusedByName) {
   writeState(folder / "in.h5",
              {straightFibre({0, 0, 0}, {1, 0, 0}, 8), straightFibre({0, 40, 0}, {1, 0, 0}, 8),
               straightFibre({40.68, -40, 12}, {0, 1, 0}, 8)});
-  const auto outcome = runAlone(folder, fromFile + "-ts_max_steps 10");
+  const auto outcome = run(folder, fromFile + "-ts_max_steps 10");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.output.find("fibre 0 segment 3"), std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("fibre 2 segment 3"), std::string::npos) << outcome.output;
@@ -240,9 +240,9 @@ TEST(Collision, OverlappingFibresPartWhenAllowed) {
   writeState(folder / "in.h5",
              {straightFibre({0, 0, 0}, {1, 0, 0}, 12), straightFibre({3, 10, 1}, {1, 0, 0}, 12)});
   const auto outcome =
-      runAlone(folder, fromFile +
-                           "-pair_allow_overlap -ts_dt 2 -ts_max_time 4000 -monitor_interval 1 "
-                           "-energy_monitor ascii:energy.csv -state_output out.h5");
+      run(folder, fromFile +
+                      "-pair_allow_overlap -ts_dt 2 -ts_max_time 4000 -monitor_interval 1 "
+                      "-energy_monitor ascii:energy.csv -state_output out.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto csv = readCsv(folder / "energy.csv");
   EXPECT_GT(csv.at("pair").front(), 5000);
@@ -263,12 +263,12 @@ TEST(Collision, CoincidingFibresAreRefusedOrMoveWithoutNotANumber) {
   writeState(folder / "in.h5", {one, one, straightFibre({0, -27.12, 0}, {0, 1, 0}, 5)});
   const std::string options =
       fromFile + "-pair_allow_overlap -ts_max_steps 500 -state_output out.h5 ";
-  const auto usual = runAlone(folder, options);
+  const auto usual = run(folder, options);
   EXPECT_TRUE(usual.status == 1 || usual.status == 2) << usual.output;
   EXPECT_NE(usual.output.find(usual.status == 1 ? "beyond the stable step" : "unstable at step"),
             std::string::npos)
       << usual.output;
-  const auto forced = runAlone(folder, options + "-ts_dt 1 -ts_dt_unsafe");
+  const auto forced = run(folder, options + "-ts_dt 1 -ts_dt_unsafe");
   if (forced.status == 0) {
     for (const char* name : {"/state/position", "/state/velocity", "/state/angular_velocity"})
       for (double a : readDataset(folder / "out.h5", name)) EXPECT_TRUE(std::isfinite(a)) << name;

@@ -86,15 +86,15 @@ TEST(Friction, AHeldBarDoesNotCreep) {
 TEST(Friction, OptionsThatCannotBeMeantAreRefused) {
   const Folder folder;
   const std::string weave = "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 -pair contact ";
-  expectRefused(runAlone(folder, weave), {"-contact_modulus", "-fibre_transverse_young"});
-  expectRefused(runAlone(folder, weave + "-contact_modulus -3"), {"-contact_modulus"});
-  expectRefused(runAlone(folder, weave + "-contact_modulus 10 -contact_friction -0.1"),
+  expectRefused(run(folder, weave), {"-contact_modulus", "-fibre_transverse_young"});
+  expectRefused(run(folder, weave + "-contact_modulus -3"), {"-contact_modulus"});
+  expectRefused(run(folder, weave + "-contact_modulus 10 -contact_friction -0.1"),
                 {"-contact_friction"});
-  expectRefused(runAlone(folder, weave + "-contact_modulus 10 -contact_restitution 1.5"),
+  expectRefused(run(folder, weave + "-contact_modulus 10 -contact_restitution 1.5"),
                 {"-contact_restitution"});
-  expectRefused(runAlone(folder,
-                         "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 "
-                         "-contact_friction 0.2"),
+  expectRefused(run(folder,
+                    "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 "
+                    "-contact_friction 0.2"),
                 {"-contact_friction", "not used"});
 }
 

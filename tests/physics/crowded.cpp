@@ -92,20 +92,20 @@ Pulled pullKnot(double distance, const std::string& options) {
                contour = tube::length * static_cast<double>(knot.position.size() - 1);
   const Vec3d pull = (1 / apart) * (last - first);
   const double speed = 0.02, time = (distance * contour - apart) / (2 * speed);
-  auto outcome = runAlone(folder, fromFile + "-bc a,b " + around("a", first) + around("b", last) +
-                                      vectorOption("a_velocity", -speed * pull) +
-                                      vectorOption("b_velocity", speed * pull) +
-                                      "-damping_local 0.4 -ts_max_time " + std::to_string(time) +
-                                      " -state_output pulled.h5 " + options);
+  auto outcome = run(folder, fromFile + "-bc a,b " + around("a", first) + around("b", last) +
+                                 vectorOption("a_velocity", -speed * pull) +
+                                 vectorOption("b_velocity", speed * pull) +
+                                 "-damping_local 0.4 -ts_max_time " + std::to_string(time) +
+                                 " -state_output pulled.h5 " + options);
   Pulled p{outcome.status, outcome.output, writhe(knot.position), 0, 0, 0, 0};
   if (p.status != 0) return p;
   const auto pulled = readVectors(folder / "pulled.h5", "/state/position");
-  outcome = runAlone(folder, "-scene file -scene_file pulled.h5 -bc a,b " +
-                                 around("a", pulled.front()) + around("b", pulled.back()) +
-                                 "-a_fix 1,1,1 -b_fix 1,1,1 -damping_local 0.7 -ts_max_steps 20000 "
-                                 "-state_output out.h5 -state_forces -energy_monitor "
-                                 "ascii:energy.csv " +
-                                 options);
+  outcome = run(folder, "-scene file -scene_file pulled.h5 -bc a,b " + around("a", pulled.front()) +
+                            around("b", pulled.back()) +
+                            "-a_fix 1,1,1 -b_fix 1,1,1 -damping_local 0.7 -ts_max_steps 20000 "
+                            "-state_output out.h5 -state_forces -energy_monitor "
+                            "ascii:energy.csv " +
+                            options);
   p.status = outcome.status;
   p.output = outcome.output;
   if (p.status != 0) return p;
@@ -158,24 +158,23 @@ Pressed press(const Folder& folder, int segments, double shortening, double spee
   const double end = (segments - 1) * tube::length, each = 0.5 * shortening * end;
   writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, segments)});
   Pressed p;
-  p.outcome = runAlone(
-      folder, fromFile + "-scene_perturb 0.1 -bc a,b " + around("a", {0, 0, 0}) +
-                  around("b", {end, 0, 0}) + vectorOption("a_velocity", {speed, 0, 0}) +
-                  vectorOption("b_velocity", {-speed, 0, 0}) +
-                  "-a_fix_rotation -b_fix_rotation -ts_max_time " + std::to_string(each / speed) +
-                  " -state_output pressed.h5 -energy_monitor ascii:energy.csv "
-                  "-monitor_interval 10 " +
-                  options);
+  p.outcome = run(folder, fromFile + "-scene_perturb 0.1 -bc a,b " + around("a", {0, 0, 0}) +
+                              around("b", {end, 0, 0}) + vectorOption("a_velocity", {speed, 0, 0}) +
+                              vectorOption("b_velocity", {-speed, 0, 0}) +
+                              "-a_fix_rotation -b_fix_rotation -ts_max_time " +
+                              std::to_string(each / speed) +
+                              " -state_output pressed.h5 -energy_monitor ascii:energy.csv "
+                              "-monitor_interval 10 " +
+                              options);
   if (p.outcome.status != 0) return p;
   p.energies = readCsv(folder / "energy.csv");
   p.position = readVectors(folder / "pressed.h5", "/state/position");
   if (rest == 0) return p;
-  p.outcome =
-      runAlone(folder, "-scene file -scene_file pressed.h5 -bc a,b " +
-                           around("a", p.position.front()) + around("b", p.position.back()) +
-                           "-a_fix 1,1,1 -b_fix 1,1,1 -a_fix_rotation -b_fix_rotation "
-                           "-state_output out.h5 -state_forces -ts_max_steps " +
-                           std::to_string(rest) + " " + options);
+  p.outcome = run(folder, "-scene file -scene_file pressed.h5 -bc a,b " +
+                              around("a", p.position.front()) + around("b", p.position.back()) +
+                              "-a_fix 1,1,1 -b_fix 1,1,1 -a_fix_rotation -b_fix_rotation "
+                              "-state_output out.h5 -state_forces -ts_max_steps " +
+                              std::to_string(rest) + " " + options);
   if (p.outcome.status != 0) return p;
   p.position = readVectors(folder / "out.h5", "/state/position");
   p.force = readVectors(folder / "out.h5", "/state/force");
@@ -262,7 +261,7 @@ TEST(Crowded, BoxBarelyTwoListRangesWideGivesTheForcesOfAWideOne) {
   for (int k = 0; k < 2; ++k) {
     const Folder folder;
     writeTubes(folder / "in.h5", k ? 2 : 1, k ? 400 : 136.57);
-    const auto outcome = runAlone(folder, options);
+    const auto outcome = run(folder, options);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     force[k] = readVectors(folder / "out.h5", "/state/force");
     velocity[k] = readVectors(folder / "out.h5", "/state/velocity");
@@ -285,7 +284,7 @@ TEST(Crowded, BoxBarelyTwoListRangesWideGivesTheForcesOfAWideOne) {
 TEST(Crowded, BoxNarrowerThanTwoListRangesIsRefused) {
   const Folder folder;
   writeTubes(folder / "in.h5", 1, 136.5);
-  const auto outcome = runAlone(folder, fromFile + "-pair_points 3 -pair_skin 5 -ts_max_steps 1");
+  const auto outcome = run(folder, fromFile + "-pair_points 3 -pair_skin 5 -ts_max_steps 1");
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.output.find("too thin along y: 136.5 A"), std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("136.56"), std::string::npos) << outcome.output;
@@ -345,7 +344,7 @@ TEST(Crowded, AllSegmentsOnOneOfFourRanks) {
   box.periodic = {true, true, true};
   writeState(folder / "in.h5", heap, box);
   const std::string options = fromFile + "-ts_max_steps 200 -state_output out.h5 ";
-  const auto alone = runAlone(folder, options);
+  const auto alone = run(folder, options);
   ASSERT_EQ(alone.status, 0) << alone.output;
   const std::string expected = readFile(folder / "out.h5");
   const auto outcome = run(folder, options, 4);

@@ -36,9 +36,9 @@ FibreInput strained(int segments, double strain, double bend, double twist) {
 void expectFormulas(const FibreInput& chain) {
   const Folder folder;
   writeState(folder / "in.h5", {chain});
-  const auto outcome = runAlone(folder, fromFile +
-                                            "-ts_max_steps 0 -energy_monitor ascii:energy.csv "
-                                            "-state_output out.h5 -state_forces");
+  const auto outcome = run(folder, fromFile +
+                                       "-ts_max_steps 0 -energy_monitor ascii:energy.csv "
+                                       "-state_output out.h5 -state_forces");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const std::size_t n = chain.position.size();
   std::vector<Vec3d> force(n), torque(n);
@@ -106,7 +106,7 @@ void expectSwing(const FibreInput& start, double quarter) {
     char dt[64];
     std::snprintf(dt, sizeof dt, "-ts_dt %.17g -ts_max_steps %d ", quarter / steps, steps);
     const auto outcome =
-        runAlone(folder, fromFile + dt + "-energy_monitor ascii:energy.csv -monitor_interval 1");
+        run(folder, fromFile + dt + "-energy_monitor ascii:energy.csv -monitor_interval 1");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto csv = readCsv(folder / "energy.csv");
     const auto& total = csv.at("total");
@@ -172,8 +172,8 @@ TEST(LargeStrain, StretchedChainSwingsThroughRestInItsNormalModes) {
   for (int k = 0; k < 2; ++k) {
     const Folder folder;
     writeState(folder / "in.h5", {start});
-    const auto outcome = runAlone(folder, fromFile + (k ? "-ts_dt 0.5" : "-ts_dt 1") +
-                                              " -ts_max_time 400 -state_output out.h5");
+    const auto outcome = run(folder, fromFile + (k ? "-ts_dt 0.5" : "-ts_dt 1") +
+                                         " -ts_max_time 400 -state_output out.h5");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto x = readVectors(folder / "out.h5", "/state/position");
     double centre = 0;
@@ -193,9 +193,9 @@ TEST(LargeStrain, BentAndTwistedChainKeepsItsEnergyToSecondOrder) {
   for (int k = 0; k < 2; ++k) {
     const Folder folder;
     writeState(folder / "in.h5", {strained(5, 0.3, pi / 2, 170 * pi / 180)});
-    const auto outcome = runAlone(
-        folder, fromFile + (k ? "-ts_dt 0.25" : "-ts_dt 0.5") +
-                    " -ts_max_time 1000 -energy_monitor ascii:energy.csv -monitor_interval 1");
+    const auto outcome =
+        run(folder, fromFile + (k ? "-ts_dt 0.25" : "-ts_dt 0.5") +
+                        " -ts_max_time 1000 -energy_monitor ascii:energy.csv -monitor_interval 1");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto total = readCsv(folder / "energy.csv").at("total");
     errors[k] = 0;
@@ -238,14 +238,14 @@ TEST(LargeStrain, RodHeldAtBothEndsKeepsTenTurns) {
     return sum;
   };
   // First undamped: torsional waves and noise across the axis let no turn slip.
-  auto outcome = runAlone(
+  auto outcome = run(
       folder, fromFile + held + "-scene_perturb 0.02 -ts_max_steps 20000 -state_output free.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NEAR(turns(folder / "free.h5"), bonds * angle, 0.05);
   // Then damped to rest, where every bond bears the couple B4 sin(0.2 pi).
-  outcome = runAlone(folder, "-scene file -scene_file free.h5 -pair none " + held +
-                                 "-damping_local 0.7 -ts_max_steps 100000 -state_output out.h5 "
-                                 "-state_forces -energy_monitor ascii:energy.csv");
+  outcome = run(folder, "-scene file -scene_file free.h5 -pair none " + held +
+                            "-damping_local 0.7 -ts_max_steps 100000 -state_output out.h5 "
+                            "-state_forces -energy_monitor ascii:energy.csv");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NEAR(turns(folder / "out.h5"), bonds * angle, 1e-9);
   const auto torque = readVectors(folder / "out.h5", "/state/torque");

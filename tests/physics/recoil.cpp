@@ -57,14 +57,14 @@ TEST(Recoil, FrontRunsWithTheSoundSpeedAfterABreakAt30PerCent) {
     const Folder folder;
     writeState(folder / "in.h5", {chain}, box);
     const auto outcome =
-        runAlone(folder,
-                 "-scene file -scene_file in.h5 -start_unchecked -pair none -break_strain_mean 0.3 "
-                 "-break_strain_std 0 "
-                 "-bc left,right -left_region -1,-1,-1,1,1,1 -left_fix 1,1,1 -right_region " +
-                     std::to_string(last - 1) + ",-1,-1," + std::to_string(last + 1) +
-                     ",1,1 -right_fix 1,1,1 -ts_max_time " + std::to_string(time) +
-                     (k ? " -ts_dt 1" : " -ts_dt 2") +
-                     " -energy_monitor ascii:energy.csv -monitor_interval 1 -state_output out.h5");
+        run(folder,
+            "-scene file -scene_file in.h5 -start_unchecked -pair none -break_strain_mean 0.3 "
+            "-break_strain_std 0 "
+            "-bc left,right -left_region -1,-1,-1,1,1,1 -left_fix 1,1,1 -right_region " +
+                std::to_string(last - 1) + ",-1,-1," + std::to_string(last + 1) +
+                ",1,1 -right_fix 1,1,1 -ts_max_time " + std::to_string(time) +
+                (k ? " -ts_dt 1" : " -ts_dt 2") +
+                " -energy_monitor ascii:energy.csv -monitor_interval 1 -state_output out.h5");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto broken = readDataset(folder / "out.h5", "/state/bond_broken");
     for (int b = 0; b < 2 * half; ++b)
@@ -113,7 +113,7 @@ TEST(Recoil, CascadeBreaksEachBondOnceAndIsAudited) {
           return Vec3d{rate * (x.x - middle), 0, 0};
         },
         [](std::size_t, const Vec3d&) { return Vec3d{}; });
-    const auto outcome = runAlone(
+    const auto outcome = run(
         folder,
         std::string("-scene file -scene_file in.h5 -start_unchecked -scene_perturb 0.1 -pair none "
                     "-break_strain_mean 0.2 -break_strain_std 0 -tension_rate 4e-4 -tension_ramp 0 "
@@ -170,10 +170,9 @@ TEST(Recoil, SpinningFibreKeepsAngularMomentumOverAMillionSteps) {
       folder / "in.h5", [&](std::size_t, const Vec3d& x) { return cross(spin, x); },
       [&](std::size_t, const Vec3d&) { return spin; });
   const Vec3d before = angularMomentum(folder / "in.h5");
-  const auto outcome =
-      runAlone(folder,
-               "-scene file -scene_file in.h5 -start_unchecked -pair none -ts_dt 16 "
-               "-ts_max_steps 1000000 -state_output out.h5");
+  const auto outcome = run(folder,
+                           "-scene file -scene_file in.h5 -start_unchecked -pair none -ts_dt 16 "
+                           "-ts_max_steps 1000000 -state_output out.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   // A million roundings, all to the same side.
   EXPECT_LT(norm(angularMomentum(folder / "out.h5") - before), 1e6 * 1.1e-16 * norm(before));
@@ -193,10 +192,9 @@ TEST(Recoil, FastSpinAboutTheAxisTurnsAsFarAsItShould) {
         return Vec3d{angle / 16, 0, 0};
       });
   const auto start = readOrientations(folder / "in.h5").front();
-  const auto outcome =
-      runAlone(folder,
-               "-scene file -scene_file in.h5 -start_unchecked -pair none -ts_dt 16 "
-               "-ts_max_steps 1000000 -state_output out.h5");
+  const auto outcome = run(folder,
+                           "-scene file -scene_file in.h5 -start_unchecked -pair none -ts_dt 16 "
+                           "-ts_max_steps 1000000 -state_output out.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto turned = static_cast<double>(
       std::remainder(static_cast<long double>(angle) * steps, 2 * std::numbers::pi_v<long double>));
@@ -218,13 +216,13 @@ TEST(Recoil, FastSpinAboutTheAxisTurnsAsFarAsItShould) {
 /// distance from the start, of positions in A and of axes.
 double wayBack(const std::string& scene, int steps, const std::string& options) {
   const Folder folder;
-  auto outcome = runAlone(folder, scene + " -ts_max_steps 0 -state_output in.h5 " + options);
+  auto outcome = run(folder, scene + " -ts_max_steps 0 -state_output in.h5 " + options);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   const std::string go = "-scene file -ts_max_steps " + std::to_string(steps) + " " + options;
-  outcome = runAlone(folder, go + " -scene_file in.h5 -state_output there.h5");
+  outcome = run(folder, go + " -scene_file in.h5 -state_output there.h5");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   reverseMotion(folder / "there.h5");
-  outcome = runAlone(folder, go + " -scene_file there.h5 -state_output back.h5");
+  outcome = run(folder, go + " -scene_file there.h5 -state_output back.h5");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   double worst = 0, moved = 0;
   const auto a = readDataset(folder / "in.h5", "/state/position"),

@@ -44,7 +44,7 @@ TEST(SegmentLength, AdhesionPerLengthIsOneNumber) {
     BoxInput box;
     box.lower = {0, -200, -200}, box.upper = {whole, 200, 200}, box.periodic = {true, false, false};
     writeState(folder / "in.h5", {a, b}, box);
-    const auto outcome = runAlone(folder, evaluated(length));
+    const auto outcome = run(folder, evaluated(length));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const double energy = readCsv(folder / "energy.csv").at("pair").front();
     EXPECT_NEAR(energy / whole / -0.19365, 1.0, 1e-4) << length;
@@ -61,7 +61,7 @@ TEST(SegmentLength, TheExclusionIsAnArcLength) {
     BoxInput box;
     box.lower = {-1000, -1000, -1000}, box.upper = {6000, 6000, 1000};
     writeState(folder / "in.h5", {fibre}, box);
-    const auto outcome = runAlone(folder, evaluated(radius));
+    const auto outcome = run(folder, evaluated(radius));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const double energy = readCsv(folder / "energy.csv").at("pair").front();
     if (places < 40)
@@ -87,7 +87,7 @@ TEST(SegmentLength, ViscousDampingPerLengthIsOneNumber) {
     BoxInput box;
     box.lower = {0, -200, -200}, box.upper = {whole, 200, 200}, box.periodic = {true, false, false};
     writeState(folder / "in.h5", {a, b}, box);
-    const auto outcome = runAlone(
+    const auto outcome = run(
         folder,
         "-scene file -scene_file in.h5 -fibre_segment_length " + std::to_string(length) +
             " -ts_dt 2 -ts_max_steps 100 -energy_monitor ascii:energy.csv -monitor_interval 100 "
@@ -110,10 +110,10 @@ TEST(Units, SiAndNanoGiveTheSamePhysics) {
                                    "-fibre_preset carbon_t300"}) {
     const Folder folder;
     for (const std::string units : {"nano", "si"}) {
-      const auto outcome = runAlone(folder, "-units " + units + " -scene weave " + preset +
-                                                " -ts_max_steps 50 -monitor_interval 50 "
-                                                "-progress_interval 0 -energy_monitor ascii:" +
-                                                units + ".csv");
+      const auto outcome = run(folder, "-units " + units + " -scene weave " + preset +
+                                           " -ts_max_steps 50 -monitor_interval 50 "
+                                           "-progress_interval 0 -energy_monitor ascii:" +
+                                           units + ".csv");
       ASSERT_EQ(outcome.status, 0) << outcome.output;
     }
     const auto nano = readCsv(folder / "nano.csv"), si = readCsv(folder / "si.csv");
@@ -133,10 +133,10 @@ TEST(Units, TheSheetIsAsThickAsItsFibres) {
   auto stress = [](const std::string& options) {
     const Folder folder;
     const auto outcome =
-        runAlone(folder,
-                 "-scene fibre -fibre_segments 40 -fibre_strain 0.01 -pair none -tension_rate 1 "
-                 "-ts_max_steps 0 -stress_monitor ascii:stress.csv " +
-                     options);
+        run(folder,
+            "-scene fibre -fibre_segments 40 -fibre_strain 0.01 -pair none -tension_rate 1 "
+            "-ts_max_steps 0 -stress_monitor ascii:stress.csv " +
+                options);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     return readCsv(folder / "stress.csv").at("virial_xx_GPa").front();
   };
@@ -163,10 +163,10 @@ TEST(Units, CrossedCarbonFibresPressAsHertzSays) {
   BoxInput box;
   box.lower = {-60 * rf, -60 * rf, -60 * rf}, box.upper = {60 * rf, 60 * rf, 60 * rf};
   writeState(folder / "in.h5", {a, b}, box);
-  const auto outcome = runAlone(folder,
-                                "-fibre_preset carbon_t300 -scene file -scene_file in.h5 "
-                                "-ts_max_steps 0 -state_output out.h5 "
-                                "-state_forces");
+  const auto outcome = run(folder,
+                           "-fibre_preset carbon_t300 -scene file -scene_file in.h5 "
+                           "-ts_max_steps 0 -state_output out.h5 "
+                           "-state_forces");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto force = readDataset(folder / "out.h5", "/state/force");
   double up = 0;

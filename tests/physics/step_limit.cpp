@@ -16,7 +16,7 @@ const std::string perturbed = " -scene_perturb 1e-4";
 
 /// The limit in the header of a run: "stable below X now".
 double printedLimit(const Folder& folder, const std::string& scene) {
-  const auto outcome = runAlone(folder, scene + perturbed + " -ts_dt 1 -ts_max_steps 1");
+  const auto outcome = run(folder, scene + perturbed + " -ts_dt 1 -ts_max_steps 1");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   const std::string words = "stable below ";
   const auto at = outcome.output.find(words);
@@ -25,13 +25,13 @@ double printedLimit(const Folder& folder, const std::string& scene) {
 
 double energyAtRest(const Folder& folder, const std::string& scene) {
   const auto outcome =
-      runAlone(folder, scene + " -ts_max_steps 0 -energy_monitor ascii:rest.csv -overwrite");
+      run(folder, scene + " -ts_max_steps 0 -energy_monitor ascii:rest.csv -overwrite");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   return readCsv(folder / "rest.csv").at("total").front();
 }
 
 Outcome runAt(const Folder& folder, const std::string& scene, double dt, const std::string& more) {
-  return runAlone(folder, scene + perturbed + " -ts_dt " + std::to_string(dt) + " " + more);
+  return run(folder, scene + perturbed + " -ts_dt " + std::to_string(dt) + " " + more);
 }
 
 /// `scene` rests in a stable equilibrium. Returns the limit.
@@ -74,9 +74,8 @@ double expectLimitSeparates(const Folder& folder, const std::string& scene, int 
 
 /// Lets `scene` come to rest; the state is at.h5, whose scene is returned.
 std::string relaxed(const Folder& folder, const std::string& scene, int steps) {
-  const auto outcome =
-      runAlone(folder, scene + " -damping_local 0.7 -ts_dt 15 -ts_max_steps " +
-                           std::to_string(steps) + " -state_output rest.h5 -overwrite");
+  const auto outcome = run(folder, scene + " -damping_local 0.7 -ts_dt 15 -ts_max_steps " +
+                                       std::to_string(steps) + " -state_output rest.h5 -overwrite");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   stopMotion(folder / "rest.h5");
   return "-scene file -scene_file rest.h5";
@@ -185,10 +184,9 @@ TEST(StepLimit, IsThatOfTheKindsThatAreThere) {
 
 TEST(StepLimit, CheckpointBeforeTheInstabilityIsNamedAndReadable) {
   const Folder folder;
-  const auto outcome =
-      runAlone(folder, pushedTogether(folder) +
-                           "-ts_dt 46 -ts_max_steps 5000 -checkpoint_file safe/c.h5 "
-                           "-checkpoint_interval 20");
+  const auto outcome = run(folder, pushedTogether(folder) +
+                                       "-ts_dt 46 -ts_max_steps 5000 -checkpoint_file safe/c.h5 "
+                                       "-checkpoint_interval 20");
   ASSERT_EQ(outcome.status, 2) << outcome.output;
   const auto at = outcome.output.find("unstable at step"),
              named = outcome.output.find("the checkpoint safe/c.h5 of step");
@@ -200,10 +198,9 @@ TEST(StepLimit, CheckpointBeforeTheInstabilityIsNamedAndReadable) {
   EXPECT_GT(saved, 0);
   EXPECT_LT(saved, failed);
   EXPECT_EQ(saved % 20, 0);
-  const auto read =
-      runAlone(folder,
-               "-scene file -scene_file safe/c.h5 -ts_max_steps 0 -pair_allow_overlap "
-               "-energy_monitor ascii:energy.csv");
+  const auto read = run(folder,
+                        "-scene file -scene_file safe/c.h5 -ts_max_steps 0 -pair_allow_overlap "
+                        "-energy_monitor ascii:energy.csv");
   ASSERT_EQ(read.status, 0) << read.output;
   EXPECT_TRUE(std::isfinite(readCsv(folder / "energy.csv").at("total").front()));
 }
@@ -221,7 +218,7 @@ TEST(StepLimit, EnergyOutOfNothingEndsARunBeforeDisplacementsDo) {
   const Folder folder;
   const std::string options =
       pushedTogether(folder) + "-ts_dt 46 -ts_max_steps 5000 -energy_alarm ";
-  const auto silent = runAlone(folder, options + "0"), alarmed = runAlone(folder, options + "0.25");
+  const auto silent = run(folder, options + "0"), alarmed = run(folder, options + "0.25");
   EXPECT_EQ(silent.status, 2) << silent.output;
   EXPECT_EQ(alarmed.status, 2) << alarmed.output;
   EXPECT_GT(unstableStep(alarmed), 0) << alarmed.output;
@@ -233,7 +230,7 @@ TEST(StepLimit, SamePushIsStableWithTheStepForPressedTubes) {
   // So that it is the step that made the runs above unstable. The energy's error while the tubes
   // are pressed together, 5 % of what they store then, is no instability: it goes as they part.
   const Folder folder;
-  const auto outcome = runAlone(folder, pushedTogether(folder) + "-ts_dt 20 -ts_max_steps 1200");
+  const auto outcome = run(folder, pushedTogether(folder) + "-ts_dt 20 -ts_max_steps 1200");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
 }
 
@@ -252,17 +249,17 @@ TEST(StepLimit, LimitIsFollowedDuringTheRunAndDisturbsNothing) {
   // Side by side at rest, tubes are stable at 44 fs, pressed together they are not: a warning.
   const std::string warning = "is beyond the stable step of the present state";
   const Folder folder;
-  const auto fast = runAlone(folder, pressedSlowly(folder) +
-                                         "-ts_dt 44 -ts_max_steps 250 -ts_limit_interval 5 "
-                                         "-energy_alarm 0 -progress_interval 0");
+  const auto fast = run(folder, pressedSlowly(folder) +
+                                    "-ts_dt 44 -ts_max_steps 250 -ts_limit_interval 5 "
+                                    "-energy_alarm 0 -progress_interval 0");
   EXPECT_NE(fast.output.find(warning), std::string::npos) << fast.output;
   const std::string slow =
       pressedSlowly(folder) +
       "-ts_dt 20 -ts_max_steps 400 -state_output out.h5 -overwrite -ts_limit_interval ";
-  const auto once = runAlone(folder, slow + "0");
+  const auto once = run(folder, slow + "0");
   ASSERT_EQ(once.status, 0) << once.output;
   const std::string expected = readFile(folder / "out.h5");
-  const auto followed = runAlone(folder, slow + "5");
+  const auto followed = run(folder, slow + "5");
   ASSERT_EQ(followed.status, 0) << followed.output;
   EXPECT_EQ(followed.output.find(warning), std::string::npos) << followed.output;
   EXPECT_TRUE(readFile(folder / "out.h5") == expected);
@@ -284,8 +281,8 @@ TEST(StepLimit, EnergyThatDampingHidesIsNoticed) {
   // the balance of all accounts shows it.
   const Folder folder;
   const std::string options = pressedSlowly(folder) + "-ts_dt 44 -ts_max_steps 400 ";
-  EXPECT_EQ(runAlone(folder, options + "-energy_alarm 0").status, 0);
-  const auto alarmed = runAlone(folder, options);
+  EXPECT_EQ(run(folder, options + "-energy_alarm 0").status, 0);
+  const auto alarmed = run(folder, options);
   EXPECT_EQ(alarmed.status, 2) << alarmed.output;
   EXPECT_NE(alarmed.output.find("energy has risen"), std::string::npos) << alarmed.output;
 }
@@ -294,17 +291,17 @@ TEST(StepLimit, RestartWithAnUnsafeStepNamesTheCheckpointItCameFrom) {
   const Folder folder;
   const std::string scene = "-scene fibre -fibre_segments 20 -pair none";
   const std::string file = " -checkpoint_file c.h5 -checkpoint_interval 1000000";
-  auto outcome = runAlone(folder, scene + perturbed + file + " -ts_max_steps 50");
+  auto outcome = run(folder, scene + perturbed + file + " -ts_max_steps 50");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const std::string kept = readFile(folder / "c.h5");
-  outcome = runAlone(folder,
-                     "-restart c.h5 -pair none -ts_dt 55 -ts_dt_unsafe -ts_max_steps 5000" + file);
+  outcome =
+      run(folder, "-restart c.h5 -pair none -ts_dt 55 -ts_dt_unsafe -ts_max_steps 5000" + file);
   ASSERT_EQ(outcome.status, 2) << outcome.output;
   EXPECT_NE(outcome.output.find("unstable at step"), std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("the checkpoint c.h5 of step 50 is good"), std::string::npos)
       << outcome.output;
   EXPECT_EQ(readFile(folder / "c.h5"), kept);
-  outcome = runAlone(folder, "-restart c.h5 -pair none -ts_max_steps 60" + file);
+  outcome = run(folder, "-restart c.h5 -pair none -ts_max_steps 60" + file);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
 }
 

@@ -180,7 +180,7 @@ TEST(Walls, ThatCannotBeMeantAreRefused) {
       {"-wall_monitor ascii:w.csv", {"-wall_monitor", "-walls"}},
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_velocity 0,0,1 -relax_method fire",
        {"wall w"}}};
-  for (const auto& c : cases) expectRefused(runAlone(folder, fibre + c.options), c.says);
+  for (const auto& c : cases) expectRefused(run(folder, fibre + c.options), c.says);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Robust, Files, testing::Values(1, 3), testing::PrintToS
 
 TEST_P(Files, FullDiskEndsTheRunAndLeavesTheLastCheckpoint) {
   const Folder folder;
-  ASSERT_EQ(runAlone(folder, weave + "-checkpoint_file c.h5").status, 0);
+  ASSERT_EQ(run(folder, weave + "-checkpoint_file c.h5").status, 0);
   const std::string before = readFile(folder / "c.h5");
   const std::string options =
       "-restart c.h5 -checkpoint_file c.h5 -progress_interval 0 -ts_max_steps 6";
@@ -55,7 +55,7 @@ TEST_P(Files, SnapshotsFinalStateAndForcesHaveTheSameBytes) {
       "-progress_interval 0 -snapshot_file s -snapshot_interval 1 -state_output f.h5 -state_forces "
       "-checkpoint_file c.h5";
   const Folder one, several;
-  ASSERT_EQ(runAlone(one, options).status, 0);
+  ASSERT_EQ(run(one, options).status, 0);
   const Outcome outcome = run(several, options, 1 + GetParam());
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   for (const char* file : {"s_0000000000.h5", "s_0000000001.h5", "f.h5", "c.h5"})
@@ -77,7 +77,7 @@ TEST_P(Files, TheSceneFileIsNeverReplaced) {
 
 TEST_P(Files, AnEditedSceneIsUsedOnlyWhenThatIsSaid) {
   const Folder folder;
-  ASSERT_EQ(runAlone(folder, fibre + "-state_output in.h5").status, 0);
+  ASSERT_EQ(run(folder, fibre + "-state_output in.h5").status, 0);
   const std::string line = readFile(folder / "in.h5").substr(0, 512);
   stopMotion(folder / "in.h5");
   const std::string from = "-scene file -scene_file in.h5 -ts_max_steps 1 ";

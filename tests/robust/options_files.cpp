@@ -32,7 +32,7 @@ std::string energies(const Outcome& outcome) {
 const std::string& wanted() {
   static const std::string line = [] {
     const Folder folder;
-    return energies(runAlone(folder, "-scene fibre -fibre_segments 5 -fibre_strain 0.01" + rest));
+    return energies(run(folder, "-scene fibre -fibre_segments 5 -fibre_strain 0.01" + rest));
   }();
   EXPECT_TRUE(line.starts_with("energies")) << line;
   return line;
@@ -112,7 +112,7 @@ TEST_P(GoodFile, IsReadAsItWasWritten) {
   const Folder folder;
   const Case& c = GetParam();
   writeText(folder / c.file, c.text);
-  EXPECT_EQ(energies(runAlone(folder, "-options_file " + c.file + rest)), wanted());
+  EXPECT_EQ(energies(run(folder, "-options_file " + c.file + rest)), wanted());
 }
 
 INSTANTIATE_TEST_SUITE_P(Options, GoodFile, testing::ValuesIn(goodFiles),
@@ -166,7 +166,7 @@ TEST_P(BadFile, IsRefusedWithItsLine) {
   const Folder folder;
   const Case& c = GetParam();
   writeText(folder / c.file, c.text);
-  expectRefused(runAlone(folder, "-options_file " + c.file + rest), c.fragments);
+  expectRefused(run(folder, "-options_file " + c.file + rest), c.fragments);
 }
 
 INSTANTIATE_TEST_SUITE_P(Options, BadFile, testing::ValuesIn(badFiles),
@@ -240,12 +240,10 @@ TEST(Sources, EachWinsOverThoseBefore) {
   const Environment options("PETSC_OPTIONS", "-fibre_segments 5 -fibre_strain 0.07");
   const Environment yaml("PETSC_OPTIONS_YAML", "fibre: {strain: 0.08}");
   writeText(folder / "run.opts", "-fibre_strain 0.01\n");
-  EXPECT_EQ(energies(runAlone(folder, "-fibre_strain 0.09 -options_file run.opts" + rest)),
-            wanted());
-  EXPECT_EQ(energies(runAlone(folder, "-options_file run.opts -fibre_strain 0.01" + rest)),
-            wanted());
+  EXPECT_EQ(energies(run(folder, "-fibre_strain 0.09 -options_file run.opts" + rest)), wanted());
+  EXPECT_EQ(energies(run(folder, "-options_file run.opts -fibre_strain 0.01" + rest)), wanted());
   // Without the three files there is no scene.
-  EXPECT_EQ(energies(runAlone(folder, "-skip_petscrc -scene fibre -fibre_strain 0.01" + rest)),
+  EXPECT_EQ(energies(run(folder, "-skip_petscrc -scene fibre -fibre_strain 0.01" + rest)),
             wanted());
 }
 
@@ -254,18 +252,18 @@ TEST(Sources, ErrorsNameTheEnvironment) {
   const std::string fibre = "-scene fibre" + rest;
   {
     const Environment options("PETSC_OPTIONS", "-options_file nowhere.opts");
-    expectRefused(runAlone(folder, fibre), {"PETSC_OPTIONS: ", "nowhere.opts"});
+    expectRefused(run(folder, fibre), {"PETSC_OPTIONS: ", "nowhere.opts"});
   }
   {
     const Environment options("PETSC_OPTIONS", "rubbish -ts_dt 5");
-    expectRefused(runAlone(folder, fibre), {"PETSC_OPTIONS: ", "'rubbish'"});
+    expectRefused(run(folder, fibre), {"PETSC_OPTIONS: ", "'rubbish'"});
   }
   {
     const Environment options("PETSC_OPTIONS", "-state_output 'open");
-    expectRefused(runAlone(folder, fibre), {"PETSC_OPTIONS: ", "quote"});
+    expectRefused(run(folder, fibre), {"PETSC_OPTIONS: ", "quote"});
   }
   const Environment yaml("PETSC_OPTIONS_YAML", "ts_dt");
-  expectRefused(runAlone(folder, fibre), {"PETSC_OPTIONS_YAML: line 1"});
+  expectRefused(run(folder, fibre), {"PETSC_OPTIONS_YAML: line 1"});
 }
 
 TEST(Sources, NamesOfFilesKeepTheirCharacters) {
@@ -279,7 +277,7 @@ TEST(Sources, NamesOfFilesKeepTheirCharacters) {
            {"a\\b.h5", "a\\b.h5"}}) {
     const Folder folder;
     writeText(folder / "run.opts", "-scene fibre\n-state_output " + written + "\n");
-    const Outcome outcome = runAlone(folder, "-options_file run.opts" + rest);
+    const Outcome outcome = run(folder, "-options_file run.opts" + rest);
     EXPECT_EQ(outcome.status, 0) << written << ": " << outcome.output;
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << written;
   }
@@ -288,7 +286,7 @@ TEST(Sources, NamesOfFilesKeepTheirCharacters) {
 TEST(Sources, PetscsOwnOptionsAreHeard) {
   const Folder folder;
   writeText(folder / "run.opts", "-scene fibre\n-log_view :log.txt\n-options_view\n");
-  const Outcome outcome = runAlone(folder, "-options_file run.opts" + rest);
+  const Outcome outcome = run(folder, "-options_file run.opts" + rest);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NE(readFile(folder / "log.txt").find("NwKickDrift"), std::string::npos);
   EXPECT_NE(outcome.output.find("Option Table"), std::string::npos) << outcome.output;
@@ -296,11 +294,11 @@ TEST(Sources, PetscsOwnOptionsAreHeard) {
 
 TEST(Arguments, WordsThatAreNoOptionsAreRefused) {
   const Folder folder;
-  expectRefused(runAlone(folder, "run.opts"), {"'run.opts'", "-options_file NAME"});
-  expectRefused(runAlone(folder, "-ts_dt 20 30"), {"'30'"});
-  expectRefused(runAlone(folder, "-- -ts_dt 20"), {"'--'"});
-  expectRefused(runAlone(folder, "--ts_dt 20"), {"'--ts_dt'", "one -"});
-  expectRefused(runAlone(folder, "-ts_dt=20"), {"-ts_dt 20"});
+  expectRefused(run(folder, "run.opts"), {"'run.opts'", "-options_file NAME"});
+  expectRefused(run(folder, "-ts_dt 20 30"), {"'30'"});
+  expectRefused(run(folder, "-- -ts_dt 20"), {"'--'"});
+  expectRefused(run(folder, "--ts_dt 20"), {"'--ts_dt'", "one -"});
+  expectRefused(run(folder, "-ts_dt=20"), {"-ts_dt 20"});
 }
 
 class Questions : public testing::TestWithParam<int> {};

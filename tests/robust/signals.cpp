@@ -47,7 +47,7 @@ void expectGoesOn(const Folder& folder, const Outcome& stopped, const std::strin
   const long step = stoppedAt(stopped.output);
   EXPECT_GT(step, 0) << stopped.output;
   const Outcome on =
-      runAlone(folder, weave + "-ts_max_steps " + std::to_string(step + 2) + " -restart " + file);
+      run(folder, weave + "-ts_max_steps " + std::to_string(step + 2) + " -restart " + file);
   EXPECT_EQ(on.status, 0) << on.output;
   EXPECT_NE(on.output.find("steps 2,"), std::string::npos) << on.output;
 }
@@ -205,7 +205,7 @@ TEST_P(SignalsOnRanks, AWallTimeThatIsNoTimeIsRefused) {
 
 TEST_P(SignalsOnRanks, AFailedRestartNamesTheCheckpointThatIsGood) {
   const Folder folder;
-  ASSERT_EQ(runAlone(folder, weave + "-ts_max_steps 5 -checkpoint_file c.h5").status, 0);
+  ASSERT_EQ(run(folder, weave + "-ts_max_steps 5 -checkpoint_file c.h5").status, 0);
   const Outcome failed =
       run(folder, weave + "-ts_max_steps 5000 -restart c.h5 -ts_dt 3000 -ts_dt_unsafe", GetParam());
   EXPECT_EQ(failed.status, 2) << failed.output;

@@ -69,7 +69,7 @@ void pretendAnotherRun(const std::string& file) {
 
 TEST(Tables, SayAtTheirHeadWhichRunWroteThem) {
   const Folder folder;
-  expectDone(runAlone(folder, table + "-ts_max_steps 25"));
+  expectDone(run(folder, table + "-ts_max_steps 25"));
   const Lines lines = linesOf(readFile(folder / "e.csv"));
   EXPECT_TRUE(lines[0].starts_with("# nanoweft ")) << lines[0];
   const auto columns =
@@ -93,15 +93,15 @@ TEST(Tables, EverySpellingOfAViewerIsSafe) {
     const std::string options = weave + "-monitor_interval 10 -energy_monitor " + viewer + " ";
     writeText(folder / "t.csv", foreign[k]);
     for (const char* more : {"", "-overwrite "}) {
-      expectRefused(runAlone(folder, options + more + "-ts_max_steps 3"), {"will not replace"});
+      expectRefused(run(folder, options + more + "-ts_max_steps 3"), {"will not replace"});
       EXPECT_EQ(readFile(folder / "t.csv"), foreign[k]);
     }
     writeText(folder / "t.csv", "");
-    expectDone(runAlone(folder, options + "-ts_max_steps 60"));
+    expectDone(run(folder, options + "-ts_max_steps 60"));
     const std::string whole = readFile(folder / "t.csv");
-    expectDone(runAlone(folder, options + "-ts_max_steps 25 -checkpoint_file c.h5"));
+    expectDone(run(folder, options + "-ts_max_steps 25 -checkpoint_file c.h5"));
     EXPECT_EQ(stepsIn(folder / "t.csv"), (Lines{"0", "10", "20", "25"}));
-    expectDone(runAlone(folder, options + "-ts_max_steps 60 -restart c.h5"));
+    expectDone(run(folder, options + "-ts_max_steps 60 -restart c.h5"));
     EXPECT_EQ(readFile(folder / "t.csv"), whole);
   }
 }
@@ -116,47 +116,45 @@ TEST(Tables, ViewersThatHoldNoTableAreRefused) {
            {"ascii:t.csv:default:write:more", "no ':' in the name"},
            {"ascii:t.csv.gz", "not compressed"}}) {
     SCOPED_TRACE(viewer);
-    expectRefused(runAlone(folder, weave + "-ts_max_steps 3 -energy_monitor " + viewer),
-                  {fragment});
+    expectRefused(run(folder, weave + "-ts_max_steps 3 -energy_monitor " + viewer), {fragment});
   }
   for (const char* stream :
        {"ascii", "ascii:", "ascii:stdout", "ascii:/dev/stdout", "ascii:stderr"}) {
-    const Outcome outcome = runAlone(folder, weave + "-ts_max_steps 3 -energy_monitor " + stream);
+    const Outcome outcome = run(folder, weave + "-ts_max_steps 3 -energy_monitor " + stream);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("\n3,60,"), std::string::npos) << outcome.output;
   }
-  expectDone(runAlone(folder, weave + "-ts_max_steps 3 -energy_monitor ascii:/dev/null"));
+  expectDone(run(folder, weave + "-ts_max_steps 3 -energy_monitor ascii:/dev/null"));
 }
 
 TEST(Tables, OfAnotherRunAreReplacedOnlyWhenAsked) {
   const Folder folder;
-  expectDone(runAlone(folder, table + "-ts_max_steps 20"));
+  expectDone(run(folder, table + "-ts_max_steps 20"));
   const std::string own = readFile(folder / "e.csv");
   pretendAnotherRun(folder / "e.csv");
   const std::string other = readFile(folder / "e.csv");
-  expectRefused(runAlone(folder, table + "-ts_max_steps 20"), {"-zz_of_another_run 1"});
+  expectRefused(run(folder, table + "-ts_max_steps 20"), {"-zz_of_another_run 1"});
   EXPECT_EQ(readFile(folder / "e.csv"), other);
-  expectDone(runAlone(folder, table + "-ts_max_steps 20 -overwrite"));
+  expectDone(run(folder, table + "-ts_max_steps 20 -overwrite"));
   EXPECT_EQ(readFile(folder / "e.csv"), own);
   // A table of the other monitor, and one without a head.
   const std::string pull = "-tension_rate 1e-6 -stress_monitor ascii:e.csv ";
-  expectRefused(runAlone(folder, weave + pull + "-ts_max_steps 5"),
-                {"no table of -stress_monitor"});
+  expectRefused(run(folder, weave + pull + "-ts_max_steps 5"), {"no table of -stress_monitor"});
   Lines lines = linesOf(own);
   std::erase_if(lines, [](const std::string& line) { return line[0] == '#'; });
   writeText(folder / "e.csv", joined(lines));
-  expectRefused(runAlone(folder, table + "-ts_max_steps 20"), {"another run wrote it"});
-  expectDone(runAlone(folder, table + "-ts_max_steps 20 -overwrite"));
+  expectRefused(run(folder, table + "-ts_max_steps 20"), {"another run wrote it"});
+  expectDone(run(folder, table + "-ts_max_steps 20 -overwrite"));
 }
 
 TEST(Tables, GoThroughLinksAndIntoRegularFilesAlone) {
   const Folder folder;
   fs::create_symlink("real.csv", folder / "e.csv");  // dangling
-  expectDone(runAlone(folder, table + "-ts_max_steps 20"));
+  expectDone(run(folder, table + "-ts_max_steps 20"));
   EXPECT_TRUE(fs::is_symlink(folder / "e.csv"));
   EXPECT_EQ(stepsIn(folder / "real.csv"), (Lines{"0", "10", "20"}));
   fs::permissions(folder / "real.csv", fs::perms(0640));
-  expectDone(runAlone(folder, table + "-ts_max_steps 20"));
+  expectDone(run(folder, table + "-ts_max_steps 20"));
   EXPECT_TRUE(fs::is_symlink(folder / "e.csv"));
   EXPECT_EQ(fs::status(folder / "real.csv").permissions(), fs::perms(0640));
   fs::remove(folder / "e.csv");
@@ -174,15 +172,15 @@ TEST(Tables, TwoOutputsInOneFileAreRefused) {
   fs::create_directory(folder / "sub");
   fs::create_symlink("a.csv", folder / "link.csv");
   for (const char* same : {"a.csv", "./a.csv", "sub/../a.csv", "link.csv"})
-    expectRefused(runAlone(folder, pull + "-stress_monitor ascii:" + same), {"the same file"});
-  expectDone(runAlone(folder, pull));
+    expectRefused(run(folder, pull + "-stress_monitor ascii:" + same), {"the same file"});
+  expectDone(run(folder, pull));
   fs::create_hard_link(folder / "a.csv", folder / "hard.csv");
   for (const char* same : {"a.csv", "hard.csv", "link.csv"})
-    expectRefused(runAlone(folder, pull + "-stress_monitor ascii:" + same), {"the same file"});
-  expectRefused(runAlone(folder, pull + "-checkpoint_file x.h5 -state_output ./x.h5"),
+    expectRefused(run(folder, pull + "-stress_monitor ascii:" + same), {"the same file"});
+  expectRefused(run(folder, pull + "-checkpoint_file x.h5 -state_output ./x.h5"),
                 {"the same file"});
   for (const char* same : {"st_0000000005.h5", "./st.xdmf"})
-    expectRefused(runAlone(folder, pull + "-snapshot_file st -state_output " + same),
+    expectRefused(run(folder, pull + "-snapshot_file st -state_output " + same),
                   {"-snapshot_file st makes"});
 }
 
@@ -311,8 +309,8 @@ const Damage harmful[] = {
 
 TEST_P(DamagedTables, AreNamedAndLeftAsTheyAre) {
   const Folder folder;
-  expectDone(runAlone(folder, table + "-ts_max_steps 40 -checkpoint_file c.h5"));
-  expectDone(runAlone(folder, table + "-ts_max_steps 60 -restart c.h5"));
+  expectDone(run(folder, table + "-ts_max_steps 40 -checkpoint_file c.h5"));
+  expectDone(run(folder, table + "-ts_max_steps 60 -restart c.h5"));
   const std::string damaged = GetParam().apply(linesOf(readFile(folder / "e.csv")));
   writeText(folder / "e.csv", damaged);
   expectRefused(run(folder, table + "-ts_max_steps 60 -restart c.h5", 2), {GetParam().fragment});
@@ -325,8 +323,8 @@ INSTANTIATE_TEST_SUITE_P(Tables, DamagedTables, testing::ValuesIn(harmful),
 
 TEST(Tables, WhatIsTornBeyondTheRestartComesAgain) {
   const Folder folder;
-  expectDone(runAlone(folder, table + "-ts_max_steps 40 -checkpoint_file c.h5"));
-  expectDone(runAlone(folder, table + "-ts_max_steps 60 -restart c.h5"));
+  expectDone(run(folder, table + "-ts_max_steps 40 -checkpoint_file c.h5"));
+  expectDone(run(folder, table + "-ts_max_steps 60 -restart c.h5"));
   const std::string whole = readFile(folder / "e.csv");
   Lines lines = linesOf(whole);
   lines.resize(rowOf(lines, 50) + 1);
@@ -335,7 +333,7 @@ TEST(Tables, WhatIsTornBeyondTheRestartComesAgain) {
        {upTo50.substr(0, upTo50.size() - 20), upTo50 + std::string(500, '\0'), upTo50 + "60,abc\n",
         whole + "70,1"}) {
     writeText(folder / "e.csv", found);
-    expectDone(runAlone(folder, table + "-ts_max_steps 60 -restart c.h5"));
+    expectDone(run(folder, table + "-ts_max_steps 60 -restart c.h5"));
     EXPECT_EQ(readFile(folder / "e.csv"), whole);
   }
 }
@@ -362,7 +360,7 @@ TEST(Tables, ClosingRowsAreNeverLost) {
     if (fs::exists(folder / "s.csv")) files.push_back("s.csv");
     std::vector<std::string> whole;
     for (const std::string& file : files) whole.push_back(readFile(folder / file));
-    expectDone(runAlone(folder, all + "-restart c.h5"));
+    expectDone(run(folder, all + "-restart c.h5"));
     for (std::size_t k = 0; k < files.size(); ++k) EXPECT_EQ(readFile(folder / files[k]), whole[k]);
     // As if killed before it was written.
     for (std::size_t k = 0; k < files.size(); ++k) {
@@ -371,16 +369,16 @@ TEST(Tables, ClosingRowsAreNeverLost) {
       if (closes) lines.pop_back();
       writeText(folder / files[k], joined(lines));
     }
-    expectDone(runAlone(folder, all + "-restart c.h5"));
+    expectDone(run(folder, all + "-restart c.h5"));
     for (std::size_t k = 0; k < files.size(); ++k) EXPECT_EQ(readFile(folder / files[k]), whole[k]);
   }
 }
 
 TEST(Tables, AnotherIntervalAfterARestart) {
   const Folder folder;
-  expectDone(runAlone(folder, table + "-ts_max_steps 35 -checkpoint_file c.h5"));
+  expectDone(run(folder, table + "-ts_max_steps 35 -checkpoint_file c.h5"));
   const std::string other = weave + "-energy_monitor ascii:e.csv -monitor_interval 4 ";
-  expectDone(runAlone(folder, other + "-ts_max_steps 50 -restart c.h5 -checkpoint_file d.h5"));
+  expectDone(run(folder, other + "-ts_max_steps 50 -restart c.h5 -checkpoint_file d.h5"));
   const Lines want{"0", "10", "20", "30", "36", "40", "44", "48", "50"};
   EXPECT_EQ(stepsIn(folder / "e.csv"), want);
   EXPECT_NE(
@@ -388,27 +386,27 @@ TEST(Tables, AnotherIntervalAfterARestart) {
       std::string::npos);
   const std::string whole = readFile(folder / "e.csv");
   // Later restarts know of both intervals.
-  expectDone(runAlone(folder, other + "-ts_max_steps 50 -restart d.h5"));
+  expectDone(run(folder, other + "-ts_max_steps 50 -restart d.h5"));
   EXPECT_EQ(readFile(folder / "e.csv"), whole);
   Lines lines = linesOf(whole);
   lines.erase(lines.begin() + static_cast<long>(rowOf(lines, 44)));
   writeText(folder / "e.csv", joined(lines));
-  expectRefused(runAlone(folder, other + "-ts_max_steps 60 -restart d.h5"), {"step 44 is missing"});
+  expectRefused(run(folder, other + "-ts_max_steps 60 -restart d.h5"), {"step 44 is missing"});
   // And one before the change forgets it.
-  expectDone(runAlone(folder, table + "-ts_max_steps 50 -restart c.h5"));
+  expectDone(run(folder, table + "-ts_max_steps 50 -restart c.h5"));
   EXPECT_EQ(stepsIn(folder / "e.csv"), (Lines{"0", "10", "20", "30", "40", "50"}));
 }
 
 TEST(Tables, NewOnesBeginAtTheRestart) {
   const Folder folder;
-  expectDone(runAlone(folder, weave + "-ts_max_steps 25 -checkpoint_file c.h5"));
+  expectDone(run(folder, weave + "-ts_max_steps 25 -checkpoint_file c.h5"));
   const Outcome outcome =
       run(folder, table + "-ts_max_steps 40 -restart c.h5 -checkpoint_file d.h5", 2);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("warning: there are no earlier rows"), std::string::npos)
       << outcome.output;
   EXPECT_EQ(stepsIn(folder / "e.csv"), (Lines{"25", "30", "40"}));
-  const Outcome next = runAlone(folder, table + "-ts_max_steps 60 -restart d.h5");
+  const Outcome next = run(folder, table + "-ts_max_steps 60 -restart d.h5");
   EXPECT_EQ(next.output.find("warning"), std::string::npos) << next.output;
   EXPECT_EQ(stepsIn(folder / "e.csv"), (Lines{"25", "30", "40", "50", "60"}));
 }
@@ -416,8 +414,8 @@ TEST(Tables, NewOnesBeginAtTheRestart) {
 TEST(Tables, AKillWhileARestartOpensThemLosesNothing) {
   const Folder folder;
   const std::string options = weave + "-energy_monitor ascii:e.csv -monitor_interval 1 ";
-  expectDone(runAlone(folder, options + "-ts_max_steps 3000 -checkpoint_file c.h5"));
-  expectDone(runAlone(folder, options + "-ts_max_steps 3040 -restart c.h5"));
+  expectDone(run(folder, options + "-ts_max_steps 3000 -checkpoint_file c.h5"));
+  expectDone(run(folder, options + "-ts_max_steps 3040 -restart c.h5"));
   // With rows beyond the restart, so that the content has to change.
   const std::string whole = readFile(folder / "e.csv");
   const std::string kept = whole.substr(0, whole.find("\n3000,") + 1);
@@ -427,7 +425,7 @@ TEST(Tables, AKillWhileARestartOpensThemLosesNothing) {
               std::string("sleep ") + moment + "; kill -9 $(pgrep -P $PID) $PID");
     EXPECT_TRUE(readFile(folder / "e.csv").starts_with(kept)) << moment;
   }
-  expectDone(runAlone(folder, options + "-ts_max_steps 3040 -restart c.h5"));
+  expectDone(run(folder, options + "-ts_max_steps 3040 -restart c.h5"));
   EXPECT_EQ(readFile(folder / "e.csv"), whole);
 }
 
@@ -449,7 +447,7 @@ TEST(Tables, TwoRunsAtTheSameTimeDoNotShareATable) {
                        options + "-ts_max_steps 100"),
                 {"another run is writing it"});
   const std::string stopped = readFile(folder / "e.csv");
-  expectDone(runAlone(folder, options + "-restart c.h5 -ts_max_steps 0"));
+  expectDone(run(folder, options + "-restart c.h5 -ts_max_steps 0"));
   EXPECT_TRUE(stopped.starts_with(readFile(folder / "e.csv").substr(0, stopped.size())));
 }
 
@@ -486,38 +484,37 @@ TEST(SnapshotFiles, ThatAPersonMadeAreNotTouched) {
   const Folder folder;
   for (const char* name : {"st.xdmf.tmp", "st_0000000000.h5.tmp"})
     writeText(folder / name, "mine\n");
-  expectDone(runAlone(folder, frames + "-ts_max_steps 10"));
+  expectDone(run(folder, frames + "-ts_max_steps 10"));
   for (const char* name : {"st.xdmf.tmp"}) EXPECT_EQ(readFile(folder / name), "mine\n");
   writeText(folder / "st.xdmf", "mine\n");
-  expectRefused(runAlone(folder, frames + "-ts_max_steps 10 -overwrite"),
-                {"no index of snapshots"});
+  expectRefused(run(folder, frames + "-ts_max_steps 10 -overwrite"), {"no index of snapshots"});
   EXPECT_EQ(readFile(folder / "st.xdmf"), "mine\n");
   fs::remove(folder / "st.xdmf");
   ASSERT_EQ(mkfifo((folder / "st.xdmf").c_str(), 0600), 0);
-  expectRefused(runAlone(folder, frames + "-ts_max_steps 10"), {"no regular file"});
+  expectRefused(run(folder, frames + "-ts_max_steps 10"), {"no regular file"});
 }
 
 TEST(SnapshotFiles, AnIndexOfAnotherRunIsReplacedOnlyWhenAsked) {
   const Folder folder;
-  expectDone(runAlone(folder, frames + "-ts_max_steps 10"));
+  expectDone(run(folder, frames + "-ts_max_steps 10"));
   const std::string own = readFile(folder / "st.xdmf");
   Lines lines = linesOf(own);
   lines.insert(lines.begin() + 3, "# -zz 1");
   const std::string other = joined(lines);
   writeText(folder / "st.xdmf", other);
-  expectRefused(runAlone(folder, frames + "-ts_max_steps 10"), {"another run wrote it"});
+  expectRefused(run(folder, frames + "-ts_max_steps 10"), {"another run wrote it"});
   EXPECT_EQ(readFile(folder / "st.xdmf"), other);
-  expectDone(runAlone(folder, frames + "-ts_max_steps 10 -overwrite"));
+  expectDone(run(folder, frames + "-ts_max_steps 10 -overwrite"));
   EXPECT_EQ(readFile(folder / "st.xdmf"), own);
 }
 
 TEST(SnapshotFiles, ARestartListsThoseOfItsRunUpToItsStep) {
   const Folder folder, straight;
-  expectDone(runAlone(straight, frames + "-ts_max_steps 60"));
-  expectDone(runAlone(folder, frames + "-ts_max_steps 40 -checkpoint_file c.h5"));
-  expectDone(runAlone(folder, frames + "-ts_max_steps 60 -restart c.h5"));
+  expectDone(run(straight, frames + "-ts_max_steps 60"));
+  expectDone(run(folder, frames + "-ts_max_steps 40 -checkpoint_file c.h5"));
+  expectDone(run(folder, frames + "-ts_max_steps 60 -restart c.h5"));
   EXPECT_EQ(readFile(folder / "st.xdmf"), readFile(straight / "st.xdmf"));
-  expectDone(runAlone(folder, frames + "-ts_max_steps 40 -restart c.h5"));
+  expectDone(run(folder, frames + "-ts_max_steps 40 -restart c.h5"));
   const std::string index = readFile(folder / "st.xdmf");
   EXPECT_NE(index.find("st_0000000040.h5"), std::string::npos);
   EXPECT_EQ(index.find("st_0000000050.h5"), std::string::npos);

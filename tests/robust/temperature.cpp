@@ -31,7 +31,7 @@ TEST(BadTemperature, IsRefusedWithWhatWouldBeRight) {
   };
   for (const auto& c : cases) {
     SCOPED_TRACE(c.options);
-    expectRefused(runAlone(Folder(), fibre + c.options), {c.says[0], c.says[1]});
+    expectRefused(run(Folder(), fibre + c.options), {c.says[0], c.says[1]});
   }
 }
 
@@ -39,7 +39,7 @@ TEST(BadTemperature, OnARestartIsThatOfTheCheckpoint) {
   const Folder folder;
   expectDone(
       run(folder, fibre + "-temperature 300 -temperature_damping 1e-3 -checkpoint_file c.h5"));
-  expectRefused(runAlone(folder, "-restart c.h5 -temperature 400 -ts_max_steps 8"),
+  expectRefused(run(folder, "-restart c.h5 -temperature 400 -ts_max_steps 8"),
                 {"-temperature 400", "300"});
   expectDone(run(folder, "-restart c.h5 -ts_max_steps 8"));
 }

@@ -31,10 +31,8 @@ struct Outcome {
   std::string output;  ///< standard output and error
 };
 
-/// Runs nanoweft in `folder`.
+/// Runs nanoweft in `folder`: one rank without mpirun, which takes a while to start and to end.
 Outcome run(const Folder& folder, const std::string& options, int ranks = 1, int threads = 1);
-/// One rank without mpirun, which takes two seconds to notice a failure.
-Outcome runAlone(const Folder& folder, const std::string& options);
 /// As run, where each rank's shell does `first` before it becomes the program, as in "ulimit -f
 /// 60".
 Outcome runAfter(const Folder& folder, const std::string& first, const std::string& options,
