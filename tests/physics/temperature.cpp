@@ -191,6 +191,37 @@ TEST(Temperature, TheHeatIsAudited) {
   EXPECT_LT(errors[1], 0.5 * errors[0]);
 }
 
+// A gas in a box that is pressed: the box heats, the bath cools. w = m <v^2>/kT of a component
+// obeys dw/dt = -2 e w - 2 gamma (w - 1), e the rate of the box over its present length.
+TEST(Temperature, OfAPressedGasIsWhatBoxAndBathMakeOfIt) {
+  const Folder folder;
+  std::vector<FibreInput> all;
+  for (int k = 0; k < 4096; ++k)
+    all.push_back(
+        straightFibre({50.0 * (k % 16), 50.0 * (k / 16 % 16), 50.0 * (k / 256)}, {1, 0, 0}, 1));
+  writeState(folder / "in.h5", all, {{-25, -25, -25}, {775, 775, 775}, {true, true, true}});
+  const double gamma = 2e-3, rate = -2e-4, dt = 10;
+  expectDone(run(
+      folder, heated + "-temperature_damping 0.002 -temperature_start -ts_dt 10 -ts_max_steps 250 "
+                       "-deform_x rate -deform_x_rate -2e-4 -deform_y rate -deform_y_rate -2e-4 "
+                       "-deform_z rate -deform_z_rate -2e-4 -energy_monitor ascii:e.csv "
+                       "-monitor_interval 5"));
+  const auto csv = readCsv(folder / "e.csv");
+  double w = 1, expected = 0, measured = 0;
+  const int substeps = 100, rows = static_cast<int>(csv.at("step").size());
+  for (int row = 0; row < rows; ++row) {
+    expected += w / rows;
+    measured += csv.at("kinetic")[static_cast<std::size_t>(row)] / (4096 * 1.5 * kT) / rows;
+    for (int k = 0; k < 5 * substeps; ++k) {
+      const double time = (5 * row + double(k) / substeps) * dt;
+      w += dt / substeps * (-2 * rate / (1 + rate * time) * w - 2 * gamma * (w - 1));
+    }
+  }
+  EXPECT_GT(expected, 1.1);
+  // Energies of one component forget themselves within 1/(2 gamma): ten times in the run.
+  EXPECT_NEAR(measured / expected, 1, 4 * std::sqrt(2.0 / (3 * 4096 * 10)));
+}
+
 TEST(Temperature, OfZeroIsADragThatStopsAFreeFibre) {
   const Folder folder;
   manyFibres(folder, 3, 4);
