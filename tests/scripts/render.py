@@ -189,6 +189,24 @@ class Render(FolderTest):
         self.assertTrue(rows[0] < 110 and rows[-1] > 140)
         self.assertGreater(link_pixels([across]).any(axis=1).sum(), 100)
 
+    def test_walls_are_drawn_as_balls_and_rods(self):
+        write_state(self.path("in.h5"), [straight((0, 0, 0), (1, 0, 0), 40)])
+        ball = self.draw("in.h5", "--size", "600x300", "--solid", "260,0,0,80")
+        rod = self.draw("in.h5", "--size", "600x300", "--solid", "100,0,-62,420,0,-62,60")
+        scale = 0.96 * 600 / (39 * SPACING + 2 * RADIUS)
+        for picture, wide, high in ((ball, 160, 160), (rod, 440, 120)):
+            # Warm as they are, where paper and shadows are grey; the fibre is left out.
+            solid = (picture[..., 0] > picture[..., 2] + 4) & ~coloured(picture)
+            solid[130:170] = False
+            for axis, extent in (0, wide), (1, high):
+                found = np.flatnonzero(solid.any(axis=axis))
+                self.assertAlmostEqual(found[-1] - found[0], extent * scale, delta=0.06 * extent * scale)
+        # The ball hides the fibre, which lies upon the rod.
+        self.assertFalse(coloured(ball)[140:160, 260:340].any())
+        self.assertTrue(coloured(rod)[140:160, 260:340].any())
+        for wrong in ("1,2,3", "0,0,0,-5", "a,b,c,d"):
+            self.expect_refusal("--solid", "in.h5", "--solid", wrong, "-o", "none.png")
+
     def test_links_that_end_nowhere_are_refused(self):
         write_state(self.path("in.h5"), [straight((0, 0, 0), (1, 0, 0), 5)])
         with h5py.File(self.path("in.h5"), "r+") as file:

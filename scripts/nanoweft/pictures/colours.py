@@ -45,6 +45,7 @@ GROUPS = ["#B8BCC0", "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56
 WHOLE, TORN, BREAK = "#B9C3CC", "#5B8DB8", "#E8421C"
 NOTHING = "#8A8A8A"
 LINK = "#D6128A"
+SOLID = "#D9D4C7"
 
 
 class Colours(NamedTuple):

@@ -71,6 +71,7 @@ class View:
     radius: tuple[float, ...] = ()        # of the tubes: one for all or one for each kind
     length: float | None = None           # of a bond without strain
     dark: bool = False
+    solids: tuple[tuple[float, ...], ...] = ()  # x, y, z, radius of a ball; both ends of a rod
 
 
 class Stage:
@@ -88,6 +89,7 @@ class Stage:
         self.natural = (options.length or state.attributes.get("segment_length")
                         or (np.median(length) if len(length) else 1))
         self.given = options.radius
+        self.solids = [(np.array(row[:3]), np.array(row[-4:-1]), row[-1]) for row in options.solids]
         self.usual = 6.78 if self.units == "nano" else 0.5 * self.natural
         self.survey(files, options.limits)
         self.middle = (self.low + self.high) / 2
@@ -177,6 +179,10 @@ class Stage:
             ends = seen[rows] + np.multiply.outer(radius[rows], [0, 0, 1])
             wide = np.maximum(0.4 * radius[rows], 1.3 * sampling)
             extras.append(Extra(ends, ends + along, wide, colours.LINK))
+        for *ends, wide in self.solids:
+            a_end, b_end = ((end @ self.eye.T * fine + shift
+                             + [0, 0, lift * (end[2] - self.floor)])[None] for end in ends)
+            extras.append(Extra(a_end, b_end, np.array([wide * fine]), colours.SOLID))
         tubes = with_extras((a, b, tangent, radius[first], light.linear(tint.tubes)), extras)
         level, tilt = self.ground(fine, shift, seen)
         scene = light.Scene(*tubes, light.linear(to_rgb(self.paper)),
