@@ -74,7 +74,8 @@ def main() -> None:
     print(f"share of the periodic modulus in the limit of size: {fit[1]:.4f}")
     if sys.argv[1:]:
         line = np.linspace(0, inverse[0], 20)
-        curve.draw(sys.argv[1], ("1/(tubes - 2), the pitches between the grips", "modulus between grips over that of the box"),
+        curve.draw(sys.argv[1], ("1/(tubes - 2), the pitches between the grips",
+                                 "modulus between grips over that of the box"),
                    [curve.Curve("pieces", (line, np.polyval(fit, line)), (inverse, share), "fit")])
 
 

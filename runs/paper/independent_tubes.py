@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """The stress of a pulled fabric if its tubes did not know of each other.
 
-Each tube that both grips hold is slack by (its length between the grips) / (their distance) - 1. It bears
-nothing until the pull has straightened it, then its axial stiffness times the strain beyond, until its
-weakest bond breaks. Takes the first snapshot of a tension test (its groups tell what the grips hold) and
-prints the slack of the tubes and the strength over many draws of the critical strains."""
+Each tube that both grips hold is slack by (its length between the grips) / (their distance) - 1. It
+bears nothing until the pull has straightened it, then its axial stiffness times the strain beyond,
+until its weakest bond breaks. Takes the first snapshot of a tension test (its groups tell what the
+grips hold) and prints the slack of the tubes and the strength over many draws of the critical
+strains."""
 import argparse
 import pathlib
 import sys
@@ -42,7 +43,8 @@ def slack_tubes(path, axis):
 def strength(tubes, width, per, seed):
     """Largest stress, GPa, and its strain."""
     draw = np.random.default_rng(seed)
-    critical = np.array([draw.normal(0.3, 0.05, int(n) if per == "bond" else 1).min() for n in tubes[:, 1]])
+    critical = np.array([draw.normal(0.3, 0.05, int(n) if per == "bond" else 1).min()
+                         for n in tubes[:, 1]])
     strain = np.linspace(0, 0.6, 601)
     own = (1 + strain[:, None]) / (1 + tubes[:, 0]) - 1
     stress = np.where(own < critical, own.clip(0),
@@ -65,12 +67,14 @@ def main():
     if not len(tubes):
         sys.exit(f"independent_tubes: {arguments.state}: no tube is held by both grips")
     shares = np.percentile(100 * tubes[:, 0], [0, 10, 50, 90, 100])
-    print(f"{len(tubes)} tubes, slack in %: least {shares[0]:.1f}, tenth {shares[1]:.1f}, median {shares[2]:.1f}, "
-          f"nine tenths {shares[3]:.1f}, most {shares[4]:.1f}; bonds between the grips: {np.median(tubes[:, 1]):.0f}")
+    print(f"{len(tubes)} tubes, slack in %: least {shares[0]:.1f}, tenth {shares[1]:.1f}, "
+          f"median {shares[2]:.1f}, nine tenths {shares[3]:.1f}, most {shares[4]:.1f}; "
+          f"bonds between the grips: {np.median(tubes[:, 1]):.0f}")
     for per in ("bond", "fibre"):
         draws = np.array([strength(tubes, arguments.width, per, seed) for seed in range(200)])
         (mean, at), (deviation, _) = draws.mean(0), draws.std(0)
-        print(f"a critical strain per {per}: strength {mean:.1f} +- {deviation:.1f} GPa at {100 * at:.0f} %")
+        print(f"a critical strain per {per}: strength {mean:.1f} +- {deviation:.1f} GPa "
+              f"at {100 * at:.0f} %")
 
 
 main()

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Pulls the weave in stages, each stretched a little further and brought to rest by FIRE between two
-held ends; called by scripts/run with the results folder."""
+"""Pulls the weave in stages, each stretched a little further and brought to rest by FIRE between
+two held ends; called by scripts/run with the results folder."""
 import pathlib
 import shutil
 import sys
@@ -45,8 +45,8 @@ def pulled(results: pathlib.Path) -> tuple[float, np.ndarray]:
         if stage:
             shutil.copy(rest, start)
             stretch(start, STEP * length)
-        done = runs.run(["-scene", "file", "-scene_file", str(start), "-scene_file_edited", *OPTIONS,
-                         "-group_monitor", f"ascii:{results}/groups.csv", "-energy_monitor",
+        done = runs.run(["-scene", "file", "-scene_file", str(start), "-scene_file_edited",
+                         *OPTIONS, "-group_monitor", f"ascii:{results}/groups.csv", "-energy_monitor",
                          f"ascii:{results}/stage.csv", "-state_output", str(rest)])
         if done.returncode:
             raise problems.RunFailed(done.stderr)
