@@ -345,7 +345,9 @@ class Tubes(NamedTuple):
     torn: Array  # [2, rows]: whether the bond before, and after, broke
 
 
-def find_tubes(state: State) -> Tubes:
+def find_bonds(state: State) -> tuple[Array, Array]:
+    """Rows at both ends of each bond, broken ones, too: along fibres, then of each ring from its
+    last segment to its first."""
     fibre, index = state["fibre"], state["index"]
     order = state.in_order()
     same = np.diff(fibre[order]) == 0
@@ -353,8 +355,12 @@ def find_tubes(state: State) -> Tubes:
     first, second = order[joined], order[joined + 1]
     starts, ends = order[np.append(True, ~same)], order[np.append(~same, True)]
     closed = np.isin(fibre[starts], state.closed)
-    first, second = np.append(first, ends[closed]), np.append(second, starts[closed])
+    return np.append(first, ends[closed]), np.append(second, starts[closed])
 
+
+def find_tubes(state: State) -> Tubes:
+    fibre = state["fibre"]
+    first, second = find_bonds(state)
     position = state.whole
     through = (np.abs(position[first] - position[second]) > 0.5 * state.box)[:, state.periodic].any(axis=1)
     broken = state["bond_broken"][first] != 0

@@ -22,6 +22,11 @@ CLASSES: list[tuple[int, int | None]] = [(1, 1), (2, 2), (3, 4), (5, 9), (10, 20
 CHUNK = 20_000
 
 
+def named(low: int, high: int | None) -> str:
+    """A class of sizes as people write it."""
+    return f"{low}" if low == high else f"over {low - 1}" if high is None else f"{low}-{high}"
+
+
 class Fabric:
     """Places and axes of the segments, and for each which ones are next to it: along its fibre, and
     side by side with it on others."""
