@@ -10,7 +10,7 @@ generators   fibres laid in space, to write as states
 rotations    quaternions and matrices of many segments
 units        times, lengths and energies as people write them
 arguments    kinds of arguments that several commands take
-analysis     bundles, broken bonds, shares of a stress, decays
+analysis     orientation, bundles, porosity, contacts, shapes, pores, broken bonds, stresses, decays
 pictures     tubes as pictures and movies, tables as plots
 report       one HTML page of a run
 verification, speed_error, scaling   the three studies with pages of their own in runs/

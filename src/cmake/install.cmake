@@ -33,7 +33,7 @@ install(DIRECTORY scripts/nanoweft DESTINATION ${data_dir}/scripts
   PATTERN __pycache__ EXCLUDE PATTERN scaling EXCLUDE PATTERN speed_error EXCLUDE PATTERN verification EXCLUDE)
 file(RELATIVE_PATH commands ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/nanoweft/scripts)
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/commands)
-foreach(command run report plot render export bundles breaks shares)
+foreach(command run report plot render export analyse bundles breaks shares)
   install(PROGRAMS scripts/${command} DESTINATION ${data_dir}/scripts)
   file(CREATE_LINK ${commands}/${command} ${PROJECT_BINARY_DIR}/commands/nanoweft-${command} SYMBOLIC)
   install(FILES ${PROJECT_BINARY_DIR}/commands/nanoweft-${command} DESTINATION ${CMAKE_INSTALL_BINDIR})
@@ -49,7 +49,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-  "openmpi-bin, python3-numpy, python3-h5py, python3-matplotlib, python3-pil, libjs-three")
+  "openmpi-bin, python3-numpy, python3-h5py, python3-scipy, python3-matplotlib, python3-pil, libjs-three")
 # To link with the library.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
   "cmake, g++, pkg-config, petsc-dev, libopenmpi-dev, libhdf5-openmpi-dev, libmetis-dev, libyaml-dev, libssl-dev")

@@ -66,8 +66,8 @@ class Installed(FolderTest):
         self.assertIn("-weave_fibres", printed)
 
     def test_commands_find_their_parts_where_they_are_installed(self):
-        for command in ("run", "report", "plot", "render", "export", "bundles", "breaks",
-                        "shares"):
+        for command in ("run", "report", "plot", "render", "export", "analyse", "bundles",
+                        "breaks", "shares"):
             self.assertIn("usage", self.call(self.prefix / f"bin/nanoweft-{command}", "--help"))
         self.call(self.prefix / "bin/nanoweft-run", "--threads", "1", "own_geometry",
                   "--", "-ts_max_steps", "100")

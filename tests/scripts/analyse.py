@@ -10,7 +10,7 @@ from support import FolderTest, write_state
 
 nanoweft, scripts = sys.argv[1:3]
 sys.path.insert(0, scripts)
-from nanoweft import states  # noqa: E402
+from nanoweft import kinds, states, units  # noqa: E402
 from nanoweft.analysis import contacts, sample, shape, survey  # noqa: E402
 from nanoweft.analysis.findings import Settings  # noqa: E402
 
@@ -270,15 +270,15 @@ class Contacts(unittest.TestCase):
 
     def test_pairs_of_two_kinds_against_all_pairs(self):
         random = np.random.default_rng(5)
-        side, kinds = 260.0, np.repeat([0, 1], [30, 5])
+        side, of = 260.0, np.repeat([0, 1], [30, 5])
         fibres = []
-        for kind in kinds:
+        for kind in of:
             bend = np.cumsum(random.normal(0, 0.15, (9, 3)), axis=0) + random.normal(0, 1, 3)
             steps = (T, 40.0)[kind] * bend / np.linalg.norm(bend, axis=1, keepdims=True)
             fibres.append(np.cumsum(steps, axis=0) + random.uniform(0, side, 3))
         for periodic in (1, 0, 1), (1, 1, 1):
             state = states.of_kinds(state_of(fibres, ([0] * 3, [side] * 3), periodic),
-                                    ("thin", "thick"), kinds)
+                                    ("thin", "thick"), of)
             one = sample.Sample("made", state, Settings(radius=(6.0, 20.0)))
             touching, least = contacts.pairs(one, 5.0)
             found = set(map(tuple, touching.tolist()))
@@ -305,6 +305,51 @@ class Contacts(unittest.TestCase):
             found |= {(a, b) for b in others[least < gap]}
             closest = min(closest, least.min(initial=np.inf))
         return found, closest
+
+
+class Loads(unittest.TestCase):
+    def setUp(self):
+        # Thin fibres, one stretched by 1 %, one that has flowed as far; a thick one pressed by 2 %.
+        fibres = [line((0, 0, 0), (1, 0, 0), 11, 1.01 * T),
+                  line((0, 50, 0), (1, 0, 0), 11, 1.01 * T),
+                  line((0, 200, 0), (0, 0, 1), 6, 0.98 * 40)]
+        flowed = np.repeat([0, 0.01 * T, 0], (11, 11, 6))
+        self.state = states.of_kinds(state_of(fibres, rest_extension=flowed), ("thin", "thick"),
+                                     [0, 0, 1])
+        self.state.run["fibre"] = np.array([R, T, 2649 * units.AMU, 1, 60, 1, 1, 1,
+                                            20.0, 40.0, 9e6, 1, 300, 1, 1, 1])
+        self.state.kinds = kinds.Kinds(("thin", "thick"), (R, 20.0))
+
+    def test_stress_of_stretched_fibres(self):
+        one = sample.Sample("made", self.state, Settings())
+        found = survey.TOPICS["stress"](one)
+        each = next(curve.y for curve in found.curves if curve.name == "stress_by_fibre")
+        thin = 60 * 0.01 * T / (np.pi * R**2) / units.GPA
+        thick = -300 * 0.02 * 40 / (np.pi * 400) / units.GPA
+        np.testing.assert_allclose(each, [thin, 0, thick], atol=1e-9)
+        numbers = {column.name: column.value for column in found.columns}
+        np.testing.assert_allclose([numbers["stress_" + name] for name in ("min", "max", "mean")],
+                                   [thick, thin, (10 * thin + 5 * thick) / 25], atol=1e-9)
+
+    def test_density_in_grams(self):
+        limits = {0: (20.0, 60.0), 1: (-10.0, 10.0), 2: (-10.0, 10.0)}
+        found = measured(self.state, "porosity", radius=(), region=limits)
+        grams = 2649 * 1.66053906660e-24 * 40 / T
+        self.assertAlmostEqual(found["density"], grams / (40 * 20 * 20 * 1e-24), delta=1e-6)
+
+    def test_energy_of_each_kind(self):
+        one = sample.Sample("made", self.state, Settings())
+        one.fields = {f"{part}_energy": np.arange(28) * (k + 1.0)
+                      for k, part in enumerate(("stretch", "shear", "bending", "torsion", "pair"))}
+        found = {column.name: column.value for column in survey.TOPICS["energy"](one).columns}
+        self.assertEqual((found["energy_stretch_thin"], found["energy_pair_thick"]), (231, 5 * 147))
+        self.assertEqual(found["energy_elastic_thick"], 10 * 147)
+
+    def test_bundle_of_three(self):
+        places = [(0, 0), (17.3, 0), (17.3 / 2, 15), (300, 0)]
+        found = measured(state_of([line((0, y, z), (1, 0, 0)) for y, z in places]), "bundles")
+        self.assertEqual((found["bundle_max"], found["bundle_mean"], found["bundle_alone"]),
+                         (3, 2.5, 0.25))
 
 
 class Command(FolderTest):

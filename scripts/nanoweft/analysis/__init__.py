@@ -1,1 +1,1 @@
-"""What states and tables tell: bundles, broken bonds, decays of energy."""
+"""What states and tables tell: orientation, bundles, porosity, contacts, broken bonds, decays."""

@@ -54,8 +54,8 @@ def planar(sample: Sample, found: Findings) -> None:
     found.add("planar_angle", np.degrees(0.5 * np.angle(order)), "degrees",
               f"of the main direction in {plane} from {plane[0]}")
     if known:
-        edges = np.linspace(-90, 90, 37)
-        angle = (np.degrees(np.angle(turn)) + 90) % 180 - 90
+        edges = np.linspace(-92.5, 87.5, 37)  # 0 and 90 degrees are in the middle of a bin
+        angle = (np.degrees(np.angle(turn)) + 92.5) % 180 - 92.5
         share = np.histogram(angle, edges, weights=weight)[0] / total
         found.curves.append(Curve("orientation", 0.5 * (edges[1:] + edges[:-1]), 36 * share,
                                   (f"direction in {plane}, degrees", "over that of random fibres"),

@@ -33,7 +33,7 @@ def pores(sample: Sample) -> Findings:
         found.add(f"{shape}_max", 2 * grid.largest(), sample.unit,
                   f"diameter of the largest {shape} between the fibres {where}, within the region")
         found.add(f"{shape}_mean", 2 * np.trapz(share, size), sample.unit, "diameter of the largest"
-                  f" {shape} over a point of the void, mean, to about {grid.cell.max():.3g}")
+                  f" {shape} over a point of the void, mean; cells of {grid.cell.max():.3g}")
         if len(size):
             found.curves.append(Curve(f"{shape}s", 2 * size, 100 * share,
                                       (f"diameter of the {shape}, {sample.unit_shown}",

@@ -20,7 +20,7 @@ DENSITY = {"nano": 1.66053906660 / AMU, "si": 1e-3}
 
 def porosity(sample: Sample) -> Findings:
     """A fibre's volume is that of cylinders of its kind's radius; where two overlap both count."""
-    found = Findings(trends=("volume_fraction", "porosity"))
+    found = Findings(trends=("porosity",))
     unit = sample.unit
     lower, upper = sample.region
     of = sample.kind[sample.pieces.row]

@@ -12,7 +12,7 @@ from .sample import Lacking, Sample
 
 Array = NDArray[Any]
 STRAIGHT = 1e-6  # radians between two bonds below which a place has no plane of bending
-FLAT = 0.01      # of a fibre's rms curvature, below which it has none either
+FLAT = 0.01      # of the rms turn of all places, below which one has none either
 
 
 def crimp(sample: Sample) -> Findings:
@@ -68,9 +68,7 @@ def bends(sample: Sample) -> Bends:
     sines = np.einsum("ij,ij->i", np.cross(plane[bonds], plane[after]), tangent[bonds])
     turn = np.arctan2(sines, np.einsum("ij,ij->i", plane[bonds], plane[after]))
     turn -= np.pi * np.round(turn / np.pi)
-    square = np.bincount(sample.chain[nodes], sine[nodes]**2, len(sample.start))
-    rms = np.sqrt(square / np.maximum(np.bincount(sample.chain[nodes], minlength=len(square)), 1))
-    least = np.maximum(STRAIGHT, FLAT * rms[sample.chain[bonds]])
+    least = max(STRAIGHT, FLAT * float(np.sqrt(np.mean(sine[nodes]**2))))
     bent = np.minimum(sine[bonds], sine[after]) > least
     torsion = np.where(bent, turn / length[bonds], 0)
     return Bends(nodes, curvature, bonds, torsion, np.where(bent, sine[bonds] * sine[after], 0))
@@ -100,7 +98,9 @@ def curvature(sample: Sample) -> Findings:
         wave, power = spectrum(sample, rows, values)
         if len(wave) > 1 and power.max() > 1e-24 / sample.segment.max()**2:
             label = f"{name}² per wave number, 1/{sample.unit_shown}"
-            found.curves.append(Curve(f"{name}_spectrum", wave, power / wave[0],
+            # The last wave numbers are beyond those of stretched fibres.
+            shown = wave <= 0.97 * wave[-1]
+            found.curves.append(Curve(f"{name}_spectrum", wave[shown], power[shown] / wave[0],
                                       (f"wave number, 1/{sample.unit_shown}", label),
                                       "logarithmic"))
     return found

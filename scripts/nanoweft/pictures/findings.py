@@ -94,6 +94,7 @@ def draw_curves(panel: Any, name: str, rows: Sequence[Row]) -> None:
         elif curve.look == "logarithmic":
             shown = curve.y > 1e-8 * curve.y.max()
             panel.loglog(curve.x[shown], curve.y[shown], color=tint, lw=1, marker=".", ms=3)
+            panel.tick_params(which="minor", labelsize=6)
         else:
             panel.plot(curve.x, curve.y, color=tint)
     panel.set(xlabel=first.labels[0], ylabel=first.labels[1])
