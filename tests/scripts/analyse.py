@@ -13,6 +13,7 @@ sys.path.insert(0, scripts)
 from nanoweft import kinds, states, units  # noqa: E402
 from nanoweft.analysis import contacts, sample, shape, survey  # noqa: E402
 from nanoweft.analysis.findings import Settings  # noqa: E402
+from nanoweft.problems import Unusable  # noqa: E402
 
 T, R = 13.56, 6.78
 
@@ -440,6 +441,8 @@ class Command(FolderTest):
                                   ("-snapshot_file", "good.h5", "energy")):
             with self.subTest(topic=topic), self.assertRaisesRegex(sample.Lacking, text):
                 survey.look(self.path(name), [topic], Settings(), None)
+        with self.assertRaisesRegex(Unusable, "more than five segments"):
+            survey.look(self.path("good.h5"), ["contacts"], Settings(radius=(R,), gap=900.0), {})
         # A lone segment has the direction of its orientation.
         row = survey.look(self.path("dots.h5"), ["orientation", "contacts"],
                           Settings(length=T, radius=(R,)), None)

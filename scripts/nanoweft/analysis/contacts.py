@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from ..problems import Unusable
 from .findings import Findings
 from .sample import Sample
 from .surfaces import between, tree_of
@@ -26,6 +27,8 @@ def contacts(sample: Sample) -> Findings:
     found = Findings(trends=("contacts_per_fibre",))
     gap = sample.settings.gap
     gap = GAP["si" if sample.state.units == "si" else "nano"] if gap is None else gap
+    if gap > 5 * (sample.segment.max() + sample.thickness.max()):
+        raise Unusable(f"{sample.name}: a gap of {gap:g} is more than five segments")
     touching, least = pairs(sample, gap)
     fibres = int(sample.fibre.max()) + 1
     first = count_places(sample, touching)

@@ -178,7 +178,10 @@ class Sample:
             return np.zeros((0, 3))
         if "orientation" not in self.state:
             raise Lacking(f"{self.name}: a lone segment without orientation")
-        return np.asarray(matrices(self.state["orientation"][self.order[rows]])[:, :, 0])
+        axes = matrices(self.state["orientation"][self.order[rows]])[:, :, 0]
+        if not np.isfinite(axes).all():
+            raise Unusable(f"{self.name}: some orientation is not finite")
+        return np.asarray(axes)
 
     @functools.cached_property
     def region(self) -> tuple[Array, Array]:
