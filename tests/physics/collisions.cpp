@@ -45,7 +45,7 @@ class Collision {
       : fibres_{first, second}, direction_(direction) {}
 
   /// Runs for `time`, with snapshots every 100 fs; the largest error of the energy.
-  double run(const Folder& folder, double dt, double time) const {
+  double simulate(const Folder& folder, double dt, double time) const {
     writeState(folder / "in.h5", fibres_);
     setMotion(
         folder / "in.h5",
@@ -86,7 +86,7 @@ void expectElastic(const Collision& collision, double time,
   double errors[2];
   for (int k = 0; k < 2; ++k) {
     const Folder folder;
-    errors[k] = collision.run(folder, k ? 10 : 20, time);
+    errors[k] = collision.simulate(folder, k ? 10 : 20, time);
     // Every rounding of 12 momenta of 1400 in 4000 steps, all to one side.
     EXPECT_LT(norm(momentum(folder / "out.h5")), 24 * tube::mass * speed * 1.1e-16 * time / 10);
     const auto csv = readCsv(folder / "energy.csv");
