@@ -179,6 +179,8 @@ struct Laws {
   Rest rest;
   Kink kink;
 };
+template <class Law, class Rest, class Kink>
+Laws(Law, Rest, Kink) -> Laws<Law, Rest, Kink>;  // clang 16 derives none from an aggregate
 
 }  // namespace
 
