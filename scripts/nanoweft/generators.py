@@ -33,11 +33,13 @@ def gathered() -> list[Array]:
     """A fabric that has gathered at one side: three layers of touching tubes, then loose ones."""
     tubes = [straight((TOUCHING * (k + 0.5 * (layer % 2)), 0, 0.87 * TOUCHING * layer), 100, 1)
              for k in range(20) for layer in range(3)]
-    return tubes + [straight((20 * TOUCHING + 5 * LENGTH * (k + 1), 0, 0), 100, 1) for k in range(40)]
+    return tubes + [straight((20 * TOUCHING + 5 * LENGTH * (k + 1), 0, 0), 100, 1)
+                    for k in range(40)]
 
 
 def ball() -> list[Array]:
-    """Layers of touching turns on a cylinder: a fibre a layer, since the radius jumps from one to the next."""
+    """Layers of touching turns on a cylinder: a fibre a layer,
+    since the radius jumps from one to the next."""
     points = []
     for layer in range(8):
         radius = 150 + TOUCHING * layer
@@ -79,7 +81,8 @@ class Endless:
 
 
 def endless_tubes(file: File, places: ArrayLike, offsets: ArrayLike, tubes: Endless) -> File:
-    """Writes tubes through the given places in the y-z plane, each shifted along itself by its offset."""
+    """Writes tubes through the given places in the y-z plane,
+    each shifted along itself by its offset."""
     places, random = np.asarray(places, float), np.random.default_rng(tubes.seed)
     x = np.zeros((len(places), tubes.segments, 3))
     x[:, :, 0] = np.arange(tubes.segments) * tubes.T + np.asarray(offsets)[:, None]
@@ -160,8 +163,8 @@ class Wave:
 
 
 def weave(fibres: int, segments: int, periodic: bool = False) -> states.State:
-    """`fibres` each way, as -weave_fibres n,n -weave_segments m lays them (src/scene/weave.cpp), without
-    orientations: the pitch is such that unstretched fibres just cover the piece."""
+    """`fibres` each way, as -weave_fibres n,n -weave_segments m lays them (src/scene/weave.cpp),
+    without orientations: the pitch is such that unstretched fibres just cover the piece."""
     longest = LENGTH * segments / fibres
     pitch = bisect(0.2 * longest, longest,
                    lambda p: fibres * p - Wave(p).walk(0.0, segments + 1)[-1])

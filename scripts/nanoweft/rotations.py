@@ -46,7 +46,8 @@ def no_rotation(count: int) -> Array:
 
 
 def along(position: Array) -> Array:
-    """Orientations of the segments of one fibre, whose axes follow the curve through their centres."""
+    """Orientations of the segments of one fibre,
+    whose axes follow the curve through their centres."""
     e1 = np.gradient(position, axis=0)
     e1 /= np.linalg.norm(e1, axis=1)[:, None]
     q = np.column_stack([1 + e1[:, 0], np.zeros(len(position)), -e1[:, 2], e1[:, 1]])
@@ -55,7 +56,8 @@ def along(position: Array) -> Array:
 
 
 def scalar_last(quaternion: Array, axis: str) -> Array:
-    """(w, x, y, z) to (x, y, z, w), first turned so that the body's `axis` (x or z) is the fibre's axis."""
+    """(w, x, y, z) to (x, y, z, w), first turned so that the body's `axis` (x or z)
+    is the fibre's axis."""
     w, x, y, z = quaternion.T
     if axis == "z":  # q (cos 45, 0, sin 45, 0): the body's z goes where its x was
         w, x, y, z = np.sqrt(0.5) * np.array([w - y, x - z, w + y, x + z])

@@ -39,7 +39,8 @@ class Launch:
 
     def __call__(self,
                  command: Sequence[str | os.PathLike[str]]) -> subprocess.CompletedProcess[str]:
-        """Runs it in the repository's folder; what it printed is text, its status the caller's to judge."""
+        """Runs it in the repository's folder; what it printed is text,
+        its status the caller's to judge."""
         words: list[str | os.PathLike[str]] = list(command)
         if self.ranks is not None:
             words = ["mpirun", "--quiet", *self.mpirun, "-n", str(self.ranks), *words]
@@ -48,7 +49,8 @@ class Launch:
 
 
 def run(words: Sequence[str], launch: Launch = Launch()) -> subprocess.CompletedProcess[str]:
-    """The program with these options, quiet between start and end. It replaces what another run left."""
+    """The program with these options, quiet between start and end.
+    It replaces what another run left."""
     return launch([PROGRAM, *words, "-progress_interval", "0", "-overwrite"])
 
 
@@ -112,6 +114,7 @@ class Printed:
     @property
     def partition(self) -> dict[str, Any] | None:
         """Kind, imbalance of the work, ghosts a segment and cut bonds; None on one rank."""
-        found = re.search(r"partition: (\w+),.*?imbalance of work ([\d.]+), ([\d.e+-]+) ghosts a segment, "
-                          r"(\d+) bonds", self.text)
-        return dict(zip(("kind", "imbalance", "ghosts", "bonds"), found.groups())) if found else None
+        found = re.search(r"partition: (\w+),.*?imbalance of work ([\d.]+), "
+                          r"([\d.e+-]+) ghosts a segment, (\d+) bonds", self.text)
+        return (dict(zip(("kind", "imbalance", "ghosts", "bonds"), found.groups()))
+                if found else None)

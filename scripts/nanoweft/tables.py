@@ -40,7 +40,8 @@ class Table:
         """Itself; Unusable where a column or the time is missing."""
         missing = [column for column in columns if column not in self]
         if missing or not {"time_fs", "time_s"} & set(self):
-            raise Unusable(f"{self.name}: no column {(missing or ['time_fs'])[0]}, so not the right table")
+            raise Unusable(f"{self.name}: no column {(missing or ['time_fs'])[0]}, "
+                           "so not the right table")
         return self
 
     @property
@@ -71,7 +72,8 @@ class Table:
 
     @property
     def options(self) -> list[str]:
-        """The options of the run by which it was written, a line each; empty where it does not say."""
+        """The options of the run by which it was written, a line each;
+        empty where it does not say."""
         return [line for line in self.comments if line.startswith("-")]
 
     @property
@@ -82,7 +84,8 @@ class Table:
 
 
 def read(name: str | os.PathLike[str]) -> Table:
-    """A table of numbers. A last line that is not complete, because the run goes on, is left out."""
+    """A table of numbers. A last line that is not complete, because the run goes on,
+    is left out."""
     try:
         with open(name, newline="") as file:
             lines = file.readlines()
@@ -92,7 +95,8 @@ def read(name: str | os.PathLike[str]) -> Table:
         raise Unusable(f"{name}: not a CSV file") from None
     comments = [line[1:].strip() for line in lines if line.startswith("#")]
     try:
-        rows = [row for row in csv.reader(line for line in lines if not line.startswith("#")) if row]
+        rows = [row for row in csv.reader(line for line in lines if not line.startswith("#"))
+                if row]
     except csv.Error:
         raise Unusable(f"{name}: not a CSV file") from None
     header = [cell.strip() for cell in rows[0]] if rows else []

@@ -11,7 +11,8 @@ LENGTH: dict[str, Sequence[Unit]] = {
     "si": (("nm", 1e-9), ("µm", 1e-6), ("mm", 1e-3), ("m", 1.0))}
 ENERGY: dict[str, Sequence[Unit]] = {
     "nano": (("eV", 1.0), ("keV", 1e3), ("MeV", 1e6)),
-    "si": (("aJ", 1e-18), ("fJ", 1e-15), ("pJ", 1e-12), ("nJ", 1e-9), ("µJ", 1e-6), ("mJ", 1e-3), ("J", 1.0))}
+    "si": (("aJ", 1e-18), ("fJ", 1e-15), ("pJ", 1e-12), ("nJ", 1e-9), ("µJ", 1e-6), ("mJ", 1e-3),
+           ("J", 1.0))}
 SECONDS = {"nano": 1e-15, "si": 1.0}  # in a unit of time
 
 GPA = 1e-21 / 1.602176634e-19  # a gigapascal in eV/A^3 (CODATA 2018)

@@ -58,7 +58,8 @@ class Sheet:
         return inward(self.from_left(rows))
 
     def from_edge(self, rows: Array) -> Array:
-        return inward((self.middle[rows, self.across] - self.low) / max(self.high - self.low, 1e-300))
+        return inward((self.middle[rows, self.across] - self.low)
+                      / max(self.high - self.low, 1e-300))
 
 
 def inward(fraction: Array) -> Array:

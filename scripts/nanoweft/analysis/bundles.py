@@ -113,7 +113,8 @@ class Fabric:
 
     def sizes(self, seeds: Array) -> Array:
         """The number of fibres in the bundle that passes each of the given segments."""
-        return np.concatenate([self.sizes_of(seeds[k:k + CHUNK]) for k in range(0, len(seeds), CHUNK)])
+        return np.concatenate([self.sizes_of(seeds[k:k + CHUNK])
+                               for k in range(0, len(seeds), CHUNK)])
 
     def sizes_of(self, seeds: Array) -> Array:
         """Search from all seeds at once; a member is coded as seed * rows + row."""
@@ -140,7 +141,8 @@ class Fabric:
 def ranges(begin: Array, count: Array) -> Array:
     """begin[0], begin[0] + 1, ... count[0] of them, then those of begin[1], ..."""
     until = np.cumsum(count)
-    return np.asarray(np.arange(until[-1] if len(until) else 0) + np.repeat(begin - until + count, count))
+    return np.asarray(np.arange(until[-1] if len(until) else 0)
+                      + np.repeat(begin - until + count, count))
 
 
 def edge_bundles(fabric: Fabric, seeds: Array, sizes: Array, strip: float,
@@ -157,7 +159,8 @@ def edge_bundles(fabric: Fabric, seeds: Array, sizes: Array, strip: float,
         run = 1 - normal
         inward = place[:, normal] - low[normal] if sign < 0 else high[normal] - place[:, normal]
         along = place[:, run] - low[run]
-        chosen = ((inward >= 0) & (inward <= strip * extent[normal]) & (axis[:, run] > axis[:, normal])
+        chosen = ((inward >= 0) & (inward <= strip * extent[normal])
+                  & (axis[:, run] > axis[:, normal])
                   & (along > 0.1 * extent[run]) & (along < 0.9 * extent[run]))
         station = (along[chosen] / (every * fabric.length)).astype(int)
         largest = np.zeros(station.max(initial=-1) + 1, int)

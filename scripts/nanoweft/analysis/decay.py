@@ -19,8 +19,8 @@ class Decay(NamedTuple):
 
 
 def fit_decay(time: Array, energy: Array) -> Decay | None:
-    """The exponential nearest to the energy from where half of its fall is done; None unless the run is
-    long enough to tell."""
+    """The exponential nearest to the energy from where half of its fall is done; None unless the
+    run is long enough to tell."""
     begin = int(np.argmax(energy - energy.min() <= (energy[0] - energy.min()) / 2))
     t, e = time[begin:] - time[begin], energy[begin:]
     if len(t) < 8 or np.ptp(e) <= 1e-9 * np.abs(e).max():

@@ -22,7 +22,8 @@ class Pull:
 
     def __init__(self, name: str, state: State) -> None:
         run = state.run
-        if not {"tension", "tension_axis", "tension_thickness", "tension_strain", "fibre"} <= set(run):
+        if not {"tension", "tension_axis", "tension_thickness", "tension_strain",
+                "fibre"} <= set(run):
             raise Unusable(f"{name}: not a snapshot of a tension test")
         self.strain = float(run["tension_strain"][-1])
         self.axis = int(run["tension_axis"][0])
@@ -35,8 +36,8 @@ class Pull:
 
 
 def stress_by_kind(pull: Pull, state: State) -> Array:
-    """Stress [kinds] along the pull, GPa, by the axial forces B1 (r - T) of the bonds: their sum over
-    a cross-section, averaged over all between the grips, over the area."""
+    """Stress [kinds] along the pull, GPa, by the axial forces B1 (r - T) of the bonds: their sum
+    over a cross-section, averaged over all between the grips, over the area."""
     numbers = np.reshape(state.run["fibre"], (-1, NUMBERS))
     tubes = find_tubes(state)
     begin, end = tubes.position[tubes.first], tubes.position[tubes.second]
@@ -44,7 +45,8 @@ def stress_by_kind(pull: Pull, state: State) -> Array:
     length = np.linalg.norm(apart, axis=1)
     length[length == 0] = np.inf  # a segment without bonds
     kind = state["kind"][tubes.first]
-    force = np.where(np.isinf(length), 0, numbers[kind, STIFFNESS] * (length - numbers[kind, LENGTH]))
+    force = np.where(np.isinf(length), 0,
+                     numbers[kind, STIFFNESS] * (length - numbers[kind, LENGTH]))
     # A bond takes part in the cross-sections that it passes.
     inside = np.clip([begin[:, pull.axis], end[:, pull.axis]], pull.left, pull.right)
     passed = np.abs(inside[1] - inside[0]) / (pull.right - pull.left)

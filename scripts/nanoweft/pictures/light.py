@@ -80,8 +80,10 @@ def soften(picture: Array, share: float = 0.14) -> Array:
     """Tubes about as wide as a pixel beat with the grid of pixels unless they reach a little into
     the neighbours."""
     for axis in 0, 1:
-        before = np.concatenate([picture.take([0], axis), picture.take(range(picture.shape[axis] - 1), axis)], axis)
-        after = np.concatenate([picture.take(range(1, picture.shape[axis]), axis), picture.take([-1], axis)], axis)
+        before = np.concatenate([picture.take([0], axis),
+                                 picture.take(range(picture.shape[axis] - 1), axis)], axis)
+        after = np.concatenate([picture.take(range(1, picture.shape[axis]), axis),
+                                picture.take([-1], axis)], axis)
         picture = (1 - 2 * share) * picture + share * (before + after)
     return picture
 
@@ -156,7 +158,8 @@ def shade(scene: Scene, layers: Layers, sampling: int) -> Array:
             np.maximum(closed, occlusion(above, (nx, ny, nz)), out=closed)
             np.maximum(shadow, shadowed(above), out=shadow)
         ambient = np.exp(-4 * strength * closed)
-        lamp = (1 - 0.85 * strength * shadow) * np.maximum(nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2], 0)
+        lamp = ((1 - 0.85 * strength * shadow)
+                * np.maximum(nx * LAMP[0] + ny * LAMP[1] + nz * LAMP[2], 0))
         gloss = np.maximum(nx * HALF[0] + ny * HALF[1] + nz * HALF[2], 0) ** 40 * (1 - shadow)
         diffuse = ambient * (0.40 + 0.1 * ny) + 0.85 * lamp * (0.4 + 0.6 * ambient)
         lit = scene.albedo[tube] * diffuse[..., None] + (0.14 * gloss * ambient)[..., None]

@@ -38,7 +38,8 @@ class Shape(NamedTuple):
 
 
 class Look(NamedTuple):
-    """Of a page: a pixel in the state's unit of length, the units, colours of writing and ground."""
+    """Of a page: a pixel in the state's unit of length, the units, colours of writing
+    and ground."""
     pixel: float
     units: str
     ink: str
@@ -61,7 +62,8 @@ class Layout(NamedTuple):
 def lay_out(shape: Shape, count: int, colours: Colours) -> Layout:
     """Places for `count` panels."""
     size, longest, aspect, columns, labelled = shape
-    columns = columns or next(n for n in range(1, count + 1) if n * n * aspect >= 0.6 * count or n == count)
+    columns = columns or next(n for n in range(1, count + 1)
+                              if n * n * aspect >= 0.6 * count or n == count)
     rows = -(-count // columns)
     font = max(9, round(max(size or (longest,)) / 72))
     words = max((len(text) for text, _ in colours.legend), default=0)
@@ -180,11 +182,13 @@ def write_movie(output: str, pages: Iterator[Array], rate: float) -> None:
 
 def write_gif(name: str, pages: list[Array], rate: float) -> None:
     # One palette for all frames, or still parts would flicker; the paper needs one colour only.
-    some = np.concatenate([page.reshape(-1, 3) for page in (pages[0], pages[len(pages) // 2], pages[-1])])
+    some = np.concatenate([page.reshape(-1, 3)
+                           for page in (pages[0], pages[len(pages) // 2], pages[-1])])
     paper = pages[0][-1, -1]
     some = np.concatenate([some[(some != paper).any(axis=1)], paper[None]])
     palette = Image.fromarray(some[None]).quantize(256, method=Image.Quantize.MEDIANCUT)
-    frames = [Image.fromarray(page).quantize(palette=palette, dither=Image.Dither.NONE) for page in pages]
+    frames = [Image.fromarray(page).quantize(palette=palette, dither=Image.Dither.NONE)
+              for page in pages]
     last = 1000 if len(frames) > 1 else 0
     frames[0].save(name, save_all=True, append_images=frames[1:], loop=0, optimize=False,
                    duration=[round(1000 / rate)] * (len(frames) - 1) + [round(1000 / rate) + last])

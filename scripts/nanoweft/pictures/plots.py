@@ -20,7 +20,8 @@ from ..analysis.decay import fit_decay  # noqa: E402
 from ..problems import Unusable  # noqa: E402
 from ..tables import ELASTIC, Table  # noqa: E402
 from ..units import ENERGY, TIME, Unit, largest_unit  # noqa: E402
-from .style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, TABLES, VERMILION  # noqa: E402
+from .style import (BLUE, CYCLE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, TABLES,  # noqa: E402
+                    VERMILION)
 
 Array = NDArray[Any]
 Tables = Sequence[Table]
@@ -123,7 +124,8 @@ def plot_convergence(tables: Tables, labels: Labels) -> Figure:
 
 def virial_of(table: Table) -> Array | None:
     """The virial stress along the pull, which of the normal stresses changes most; None without."""
-    normal = [table[name] for name in table if name[:7] == "virial_" and name[7:9] in ("xx", "yy", "zz")]
+    normal = [table[name] for name in table
+              if name[:7] == "virial_" and name[7:9] in ("xx", "yy", "zz")]
     return max(normal, key=lambda column: float(np.ptp(column))) if normal else None
 
 
@@ -160,13 +162,15 @@ def plot_stress(tables: Tables, labels: Labels) -> Figure:
     dashed = any(virial_of(table) is not None for table in tables) and not single
     axes.set(xlabel="strain, %", ylabel="stress, GPa" + ", dashed: virial" * dashed)
     axes.margins(y=0.12)
-    axes.set_ylim(bottom=min(0, *(min(line.get_ydata()) for line in axes.lines)) - 0.02 * axes.get_ylim()[1])
+    axes.set_ylim(bottom=min(0, *(min(line.get_ydata()) for line in axes.lines))
+                  - 0.02 * axes.get_ylim()[1])
     axes.legend(loc="upper left")
     # One zero for both scales.
     low, high = axes.get_ylim()
     broken = max(table["broken_bonds"].max() for table in tables)
     most = 1.12 * max(1.0, float(broken))
-    bonds.set_yticks([tick for tick in MaxNLocator(6, integer=True).tick_values(0, most) if tick <= broken])
+    bonds.set_yticks([tick for tick in MaxNLocator(6, integer=True).tick_values(0, most)
+                      if tick <= broken])
     bonds.set_ylim(min(low / high, 0) * most, most)
     bonds.set_ylabel("broken bonds" if single else "broken bonds (dash-dotted)", color=GREY)
     bonds.grid(False)

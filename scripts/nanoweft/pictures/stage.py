@@ -127,7 +127,8 @@ class Stage:
         bottom, usual, top = np.array(heights).T
         self.height = (bottom.min() + top.max()) / 2
         self.floor = max(bottom.min(), usual.min() - 5 * self.thick) - self.thick
-        self.limits = limits or ((min(low for low, _ in ranges), max(high for _, high in ranges)) if ranges else None)
+        self.limits = limits or ((min(low for low, _ in ranges), max(high for _, high in ranges))
+                                 if ranges else None)
 
     def colours_of(self, name: str) -> colours.Colours:
         state, tubes = load(name, self.how)
@@ -159,7 +160,8 @@ class Stage:
         shift = np.array([layout.width, layout.height, 0]) * sampling / 2 - self.middle * fine
         seen = position @ self.eye.T * fine + shift
         seen[:, 2] += lift * (position[:, 2] - self.floor)
-        # A torn end is a round cap that ends short, so that the gap is seen from the first moment on.
+        # A torn end is a round cap that ends short,
+        # so that the gap is seen from the first moment on.
         along = (seen[second] - seen[first]) * 0.45
         a = seen[first] + along * torn[0, first, None]
         b = seen[second] - along * torn[1, second, None]
@@ -193,7 +195,8 @@ class Stage:
         return Look(self.pixel(layout), self.units, self.ink, self.paper)
 
     def ground(self, fine: float, shift: Array, seen: Array) -> tuple[float, float]:
-        """Depth of the paper: at y = 0, and what it grows by with y. From the side there is none."""
+        """Depth of the paper: at y = 0, and what it grows by with y.
+        From the side there is none."""
         sine, cosine = self.eye[2, 2], self.eye[1, 2]
         if sine < 0.3:
             return seen[:, 2].min() - 1e4, 0.0

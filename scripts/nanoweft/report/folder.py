@@ -106,13 +106,15 @@ def pulled(series: Series) -> bool:
 
 
 def belonging(series: Series, candidates: list[Table]) -> Table | None:
-    """The table that the run of the snapshots wrote: by provenance where both have it, else by name and time."""
+    """The table that the run of the snapshots wrote: by provenance where both have it,
+    else by name and time."""
     def likeness(table: Table) -> tuple[bool, bool, float, int]:
         options = series.frames[-1].run.get("options", "").split("\n")
         same = bool(table.options) and table.options == [line for line in options if line]
         seconds = 1e-15 if series.frames[0].units != "si" else 1.0
         times = np.array([frame.time for frame in series.frames]) * seconds
-        inside = float(np.mean((times >= table.time[0] * (1 - 1e-9)) & (times <= table.time[-1] * (1 + 1e-9))))
+        inside = float(np.mean((times >= table.time[0] * (1 - 1e-9))
+                               & (times <= table.time[-1] * (1 + 1e-9))))
         stem = pathlib.Path(table.name).stem
         return same, inside > 0, (series.name in stem) + inside, -len(stem)
     best = max(candidates, key=likeness, default=None)

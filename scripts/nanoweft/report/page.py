@@ -129,8 +129,10 @@ def facts_html(folder: Folder) -> str:
         rows = []
         for line in lines:
             name, _, value = line.partition(" ")
-            rows.append(f"<tr><td><code>{text(name)}</code></td><td><code>{text(value)}</code></td></tr>")
-        table = f"<table>{''.join(rows)}</table>" if rows else '<p class="muted">All options at their defaults.</p>'
+            rows.append(f"<tr><td><code>{text(name)}</code></td>"
+                        f"<td><code>{text(value)}</code></td></tr>")
+        table = (f"<table>{''.join(rows)}</table>" if rows else
+                 '<p class="muted">All options at their defaults.</p>')
         parts.append(f'<article class="card"><h3>{text(head)}</h3>'
                      f'<p class="muted">{text(files_text(files))}</p>{table}</article>')
     return f'<div class="facts">{"".join(parts)}</div>'
@@ -154,7 +156,8 @@ def summary(folder: Folder, data: list[dict[str, Any]]) -> list[str]:
 
 
 def colour_maps() -> dict[str, Any]:
-    """Maps for a light and a dark ground: fibres, signed numbers, numbers of one sign, groups, broken."""
+    """Maps for a light and a dark ground:
+    fibres, signed numbers, numbers of one sign, groups, broken."""
     def steps(cmap: Any) -> list[str]:
         return [to_hex(cmap(x)) for x in np.linspace(0, 1, 33)]
     return {name: {"fibres": steps(p.fibres), "diverging": steps(p.diverging),
@@ -176,8 +179,9 @@ def write(folder: Folder, output: pathlib.Path, radii: tuple[float, ...] = (),
     used = len(script) + sum(map(len, pictures)) + sum(len(svg.encode()) for svg in drawn)
     budget = max(1e5, 0.9 * largest - used) / max(1, len(folder.series))
     data = [scene.series_data(series, budget, radii) for series in folder.series]
-    notes = [f"The 3-D view of {one['name']} shows {one['note']}, so that this file stays small."
-             for one in data if one["note"]] + left_out + [f"Left out: {why}." for why in folder.unusable]
+    notes = ([f"The 3-D view of {one['name']} shows {one['note']}, so that this file stays small."
+              for one in data if one["note"]]
+             + left_out + [f"Left out: {why}." for why in folder.unusable])
     payload = json.dumps({"series": data, "maps": colour_maps()},
                          separators=(",", ":")).replace("</", "<\\/")
     name = folder.path.resolve().name
@@ -199,7 +203,8 @@ def write(folder: Folder, output: pathlib.Path, radii: tuple[float, ...] = (),
 
 
 def section(title: str, kind: str, parts: list[str]) -> str:
-    return f'<section><h2>{title}</h2><div class="{kind}">{"".join(parts)}</div></section>' if parts else ""
+    return (f'<section><h2>{title}</h2><div class="{kind}">{"".join(parts)}</div></section>'
+            if parts else "")
 
 
 def chosen_pictures(folder: Folder) -> tuple[list[str], list[str]]:
@@ -215,6 +220,7 @@ def chosen_pictures(folder: Folder) -> tuple[list[str], list[str]]:
             left.append(f"{file.name} is left out, so that this file stays small.")
             continue
         size += len(source)
-        figures.append(f'<figure class="card"><img src="{source}" alt="{text(file.name)}" loading="lazy">'
+        figures.append('<figure class="card">'
+                       f'<img src="{source}" alt="{text(file.name)}" loading="lazy">'
                        f"<figcaption>{text(file.name)}</figcaption></figure>")
     return figures, left

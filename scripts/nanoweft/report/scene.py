@@ -83,7 +83,8 @@ def torn_after(state: State, rows: Array) -> Array:
     fibre = state["fibre"][rows]
     end = np.append(begin[1:], begin[-1] + 1)
     # A fibre's last row stands for the bond that closes a ring.
-    end[np.append(fibre[1:] != fibre[:-1], True)] = begin[np.append(fibre[1:] != fibre[:-1], True)] + 1
+    last = np.append(fibre[1:] != fibre[:-1], True)
+    end[last] = begin[last] + 1
     return np.asarray(broken[end] - broken[begin] > 0)
 
 
@@ -97,8 +98,8 @@ def quantised(values: Array, low: float, high: float) -> Array:
 
 
 def limits(columns: list[Array]) -> tuple[float, float]:
-    """Of the colours: without the few extreme numbers that would wash out all others, even about zero
-    where both signs occur."""
+    """Of the colours: without the few extreme numbers that would wash out all others, even about
+    zero where both signs occur."""
     values = np.concatenate([column[np.isfinite(column)] for column in columns])
     if not len(values):
         return 0.0, 1.0
@@ -165,7 +166,8 @@ def frame_data(frame: Header, position: Array, torn: Array, low: Array,
 
 
 def describe(name: str, columns: list[Array]) -> dict[str, Any]:
-    factor, title = (100.0, "strain of the bonds, %") if name == "strain" else (1.0, name.replace("_", " "))
+    factor, title = ((100.0, "strain of the bonds, %") if name == "strain" else
+                     (1.0, name.replace("_", " ")))
     if name.endswith("energy"):
         title += ", eV"
     if name == "velocity":

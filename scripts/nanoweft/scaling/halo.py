@@ -11,7 +11,8 @@ class Loads:
     owned: np.ndarray
     work: np.ndarray
     ghosts: np.ndarray
-    sent: np.ndarray      # poses to send: a segment counts once for each rank that has it as a ghost
+    sent: np.ndarray      # poses to send: a segment counts once for each rank that has
+                          # it as a ghost
     messages: np.ndarray  # ranks to receive from
     inner: np.ndarray     # pairs of two own segments
     outer: np.ndarray     # pairs with a ghost, computed by both owners

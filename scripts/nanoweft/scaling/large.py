@@ -1,10 +1,12 @@
-"""A sheet of 1.024e8 segments: 16 x 16 copies of the paper's piece, joined through periodic boundaries.
+"""A sheet of 1.024e8 segments: 16 x 16 copies of the paper's piece,
+joined through periodic boundaries.
 
-With 4096 ranks every copy is shared among 16 of them, so the partition of one periodic copy, which has no
-edge, tells of every rank of the large sheet. (A copy shared among fewer would meet itself through the
-boundary, and miss the ghosts there.) Fewer ranks have rectangles, whose ghosts, cut bonds and cut pairs
-grow with the perimeter: so many times those along a straight line through one copy, and for METIS, whose
-parts are not rectangles, as many times more as its 16 parts of a copy have than 16 squares.
+With 4096 ranks every copy is shared among 16 of them, so the partition of one periodic copy, which
+has no edge, tells of every rank of the large sheet. (A copy shared among fewer would meet itself
+through the boundary, and miss the ghosts there.) Fewer ranks have rectangles, whose ghosts, cut
+bonds and cut pairs grow with the perimeter: so many times those along a straight line through one
+copy, and for METIS, whose parts are not rectangles, as many times more as its 16 parts of a copy
+have than 16 squares.
 """
 
 import numpy as np
@@ -41,8 +43,8 @@ class Tiling:
         return self._block(ranks)
 
     def _imbalance(self, ranks):
-        """Rectilinear parts are uneven by part of a cell, the less the longer they are; METIS by its
-        tolerance."""
+        """Rectilinear parts are uneven by part of a cell, the less the longer they are;
+        METIS by its tolerance."""
         quarters = 4 * COPIES**2
         return 1 + self.excess * (np.sqrt(ranks / quarters) if self.rectilinear else 1)
 
@@ -60,7 +62,8 @@ class Tiling:
         pairs = self.pair_count / ranks
         row = np.array([self.segments / ranks, COPIES**2 * self.work.sum() / ranks, ghosts, ghosts,
                         (across + 1) * (along + 1) - 1, pairs - outer / 2, outer])
-        # One rank with as much more work than the mean as the partition leaves, one with as much less.
+        # One rank with as much more work than the mean as the partition leaves,
+        # one with as much less.
         imbalance = self._imbalance(ranks)
         more = np.array([imbalance, imbalance, 1, 1, 1, imbalance, 1])
         return halo.Loads(*np.array([row * more, row * (2 - more)]).T, cut_bonds=bonds)

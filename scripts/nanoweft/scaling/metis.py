@@ -1,4 +1,5 @@
-"""METIS on pieces of fibres (src/domain/metis.cpp): the same graph in the same order, so the same parts."""
+"""METIS on pieces of fibres (src/domain/metis.cpp): the same graph in the same order,
+so the same parts."""
 
 import ctypes
 
@@ -11,7 +12,8 @@ SEED, UFACTOR = 8, 16  # places in METIS' options
 
 
 def pieces_of(scene, length):
-    """The piece of every segment: `length` consecutive ones of a fibre, the last of a fibre shorter."""
+    """The piece of every segment: `length` consecutive ones of a fibre,
+    the last of a fibre shorter."""
     return np.cumsum(scene.index % length == 0) - 1
 
 
@@ -28,7 +30,8 @@ def divide(scene, reach, ranks, work, length):
     key, place = np.unique(np.minimum(*ends) * count + np.maximum(*ends), return_inverse=True)
     weight = np.bincount(place, np.concatenate([weight, np.full(apart.sum(), BOND_WEIGHT)]))
     weight = np.floor(np.clip(weight, 1, 1e5) + 0.5)
-    rows, columns = (np.concatenate(x) for x in ((key // count, key % count), (key % count, key // count)))
+    rows, columns = (np.concatenate(x) for x in ((key // count, key % count),
+                                                 (key % count, key // count)))
     order = np.lexsort([columns, rows])
     start = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))])
     # METIS sums the weights in 32 bits.
@@ -37,7 +40,8 @@ def divide(scene, reach, ranks, work, length):
 
 
 def _closeness(scene, reach, piece, count):
-    """Pieces in the same or in neighbouring cells, and how many segments of one would see the other."""
+    """Pieces in the same or in neighbouring cells,
+    and how many segments of one would see the other."""
     side = np.maximum(scene.upper - scene.lower, reach)
     shape = partition.grid_shape(side, reach)
     cell3 = np.clip((scene.position - scene.lower) * shape / side, 0, shape - 1).astype(int)

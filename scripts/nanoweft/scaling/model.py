@@ -2,8 +2,8 @@
 
     local    = segments x motion + bonds, packing included in the figure for a ghost
     halo     = messages x latency + ghosts x time of a ghost         (travels while inner pairs run)
-    step     = max over ranks [ local + inner pairs + max(0, halo - hidden x inner pairs) + outer pairs
-                                + rebuild ] + allreduce
+    step     = max over ranks [ local + inner pairs + max(0, halo - hidden x inner pairs)
+                                + outer pairs + rebuild ] + allreduce
     rebuild  = (segments and ghosts x time of a list) / steps between rebuilds
     allreduce = log2(ranks) x latency, and a share of those that a rebuild needs
 """
@@ -49,7 +49,8 @@ class Costs:
 
 
 def step(loads, costs, ranks=None):
-    """Seconds of one step; `ranks`: of the whole machine, when `loads` holds a sample of its ranks."""
+    """Seconds of one step;
+    `ranks`: of the whole machine, when `loads` holds a sample of its ranks."""
     ranks = ranks or loads.ranks
     local = costs.segment * loads.owned
     inner = costs.pair * loads.inner

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Ping-pong between two ranks, started by scaling --measure: ns a message, ns per 64 bytes (Open MPI)."""
+"""Ping-pong between two ranks, started by scaling --measure: ns a message, ns per 64 bytes
+(Open MPI)."""
 
 import ctypes
 import time

@@ -52,7 +52,8 @@ def scaling(rows, title, file, strong=True):
 def partitions(rows, title, file):
     rows = [r for r in rows if r["ranks"] > 1]
     figure, axes = plt.subplots(1, 4, figsize=(13, 3.4), layout="constrained")
-    for a, column, name in zip(axes, ("imbalance", "ghosts_per_segment", "messages_mean", "cut_pairs_percent"),
+    for a, column, name in zip(axes, ("imbalance", "ghosts_per_segment", "messages_mean",
+                                      "cut_pairs_percent"),
                                ("imbalance of work", "ghosts a segment", "messages a rank and step",
                                 "pairs computed twice, %")):
         _frame(a, [2**k for k in (1, 3, 6, 9, 12)])

@@ -37,7 +37,8 @@ def measure(pairs_per_segment: float, skin: float, rounds: int) -> dict[str, flo
     seen = []
     for _ in range(rounds):
         # What a start costs is in both.
-        begin, whole = (nanoweft(1, (fibres, segments), skin, n, "-log_view").events for n in (few, steps))
+        begin, whole = (nanoweft(1, (fibres, segments), skin, n, "-log_view").events
+                        for n in (few, steps))
         a_step = {name: (whole[name][1] - begin[name][1]) / (steps - few) for name in whole}
         rebuilds, begun = whole["NwRebuild"][0], begin["NwRebuild"][0]
         motion = a_step["NwKickDrift"] + a_step["NwKick"] + a_step["NwBonds"]
@@ -45,7 +46,8 @@ def measure(pairs_per_segment: float, skin: float, rounds: int) -> dict[str, flo
         said = mpirun(2, pathlib.Path(__file__).with_name("network.py"))
         net = re.search(r"latency (\S+) ghost (\S+)", said)
         assert net, said
-        seen.append([1e9 * a_step["NwPairs"] / (total * pairs_per_segment), 1e9 * motion / total, 1e9 * lists / total,
+        seen.append([1e9 * a_step["NwPairs"] / (total * pairs_per_segment),
+                     1e9 * motion / total, 1e9 * lists / total,
                      (steps - few) / max(1, rebuilds - begun), float(net[2]), float(net[1])])
     names = ["pair", "segment", "list", "interval", "ghost", "latency"]
     return dict(zip(names, np.median(seen, 0)))
@@ -55,7 +57,8 @@ def printed(ranks: int, weave: tuple[int, int], skin: float, kind: str,
             piece: int) -> dict[str, Any]:
     """What the summary says of the partition and the time of a step; None where it does not."""
     name, _, length = kind.partition(":")
-    options = f"-partition {name}" + (f" -partition_piece {length or piece}" if name == "metis" else "")
+    options = (f"-partition {name}"
+               + (f" -partition_piece {length or piece}" if name == "metis" else ""))
     speed = [nanoweft(ranks, weave, skin, 100, options).segment_steps for _ in range(3)]
     said = nanoweft(ranks, weave, skin, 1, options)
     found = {"imbalance": said.number(r"imbalance ([\d.]+), peak memory") if ranks == 1 else None,

@@ -42,7 +42,8 @@ class Scene:
 
     def nearest(self, d: Array) -> Array:
         side = np.where(self.periodic, self.upper - self.lower, np.inf)
-        return np.asarray(d - np.where(self.periodic, self.upper - self.lower, 0) * np.rint(d / side))
+        return np.asarray(d - np.where(self.periodic, self.upper - self.lower, 0)
+                          * np.rint(d / side))
 
     def bonds(self) -> tuple[Array, Array]:
         """Both ends of every bond."""

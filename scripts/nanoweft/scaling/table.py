@@ -8,8 +8,8 @@ KINDS = "dmda,metis,metis:8"
 
 
 def owners(kind, scene, reach, work, ranks, piece):
-    """`metis:8` is METIS on pieces of 8, plain `metis` on pieces of `piece`; `dmda:2` has cells of half
-    the list range."""
+    """`metis:8` is METIS on pieces of 8, plain `metis` on pieces of `piece`;
+    `dmda:2` has cells of half the list range."""
     name, _, length = kind.partition(":")
     if name == "dmda":
         return partition.dmda(scene, reach / int(length or 1), ranks, work)

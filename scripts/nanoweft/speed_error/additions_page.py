@@ -3,7 +3,7 @@
 from .additions import LENGTHS, SEGMENTS
 from .page import number, table
 
-TEXT = """
+TEXT = ("""
 ## Kinds, rest shapes, links, kinks, bond laws, contacts and walls
 
 Made by `{command}` on {machine} in {seconds} s; rows in [additions.csv](additions.csv).
@@ -29,9 +29,11 @@ against the integral over both axes. Ring: of 64 diameters, at rest as a ring, b
 forces, against (pi/4 - 2/pi) F R^3/EJ. Ladder: 40 diameters long with ten rungs, against beams
 that pass forces at the rungs: bonds are exact at their nodes, what is left is the load's size.
 Kink: against M L/EJ. Contact: force between fibres crossed at a right angle, against Hertz's, and
-depth of a fibre pressed on a floor, against Hertz's line: how fibres are cut does not matter. The ring's and
-the tube's errors fall with the square of T. Half of T means twice as many segments and a shorter stable step.
 """
+        "depth of a fibre pressed on a floor, against Hertz's line: how fibres are cut does not "
+        "matter. The ring's and\n"
+        "the tube's errors fall with the square of T. Half of T means twice as many segments and "
+        "a shorter stable step.\n")
 
 
 def section(facts, rows):

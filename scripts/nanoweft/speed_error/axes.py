@@ -30,7 +30,8 @@ class Axes:
                        "bundle": generators.bundle(folder / "bundle.h5", rings=self.rings)}
 
     def weave(self):
-        """A plain weave, five segments between crossings as in the paper, 4 ps after it is let go."""
+        """A plain weave, five segments between crossings as in the paper,
+        4 ps after it is let go."""
         file = self.folder / "weave.h5"
         side = 8 if self.quick else 24
         self.weave_size = f"{side} x {side} tubes of {5 * side} segments"
@@ -66,14 +67,16 @@ class Axes:
         return self.resting(dict(FINE, vdw_splice=splice, pair_points=48), offsets=1)[0]
 
     def two_tubes(self, setting, reference):
-        """Adhesion against many points with the reference's range and splice; corrugation as it is."""
+        """Adhesion against many points with the reference's range and splice;
+        corrugation as it is."""
         exact = self.resting(dict(reference, pair_points=48), offsets=1)[0]
         energy = self.resting(setting.options, setting.length)
         setting.error("two tubes", "adhesion", energy.mean() / exact - 1)
         setting.error("two tubes", "corrugation", np.ptp(energy) / energy.min())
 
     def check_sums(self, settings):
-        """Largest relative difference between the program's energy of two tubes and the double sum."""
+        """Largest relative difference between the program's energy of two tubes
+        and the double sum."""
         def difference(s):
             d, offset, segments = 17.4, 0.3 * LENGTH, round(16 * LENGTH / s.length)
             file = generators.endless_tubes(self.folder / f"two_{id(s)}.h5", [(0, 0), (d, 0)],
@@ -153,8 +156,8 @@ class Axes:
         setting.error("collapse", "energy drift", self.drift(setting.options, setting.dt))
 
     def drift(self, options, dt=10):
-        """Seven tubes 24 A apart fall together: pairs cross the blend. Largest error of the energy over
-        the largest kinetic energy."""
+        """Seven tubes 24 A apart fall together: pairs cross the blend. Largest error of the energy
+        over the largest kinetic energy."""
         rows, _, _ = self.program.table(dict(
             options, scene="file", scene_file=self.loose, ts_dt=dt,
             ts_max_steps=round(8000 / dt), monitor_interval=1))
@@ -170,7 +173,8 @@ class Axes:
                  "scene_perturb": 0.05}
         for scene, options, time in (("fibre", fibre, 600), ("undamped weave", weave, 1200),
                                      ("damped weave", dict(weave, damping_local=0.4), 12000)):
-            run, exact = (self.history(dict(options, ts_dt=dt), time) for dt in (setting.dt, self.finest))
+            run, exact = (self.history(dict(options, ts_dt=dt), time)
+                          for dt in (setting.dt, self.finest))
             setting.error(scene, "elastic energy", rms(run["elastic"] - exact["elastic"]))
             if scene != "damped weave":
                 setting.error(scene, "position, A", rms(run["position"] - exact["position"]))
@@ -178,11 +182,12 @@ class Axes:
 
     @kept
     def history(self, options, time):
-        """Final positions; the elastic energy every 300 fs (a multiple of all steps) and the error of the
-        balance, both over the elastic energy of the start."""
+        """Final positions; the elastic energy every 300 fs (a multiple of all steps) and the error
+        of the balance, both over the elastic energy of the start."""
         dt = options["ts_dt"]
         rows, _, state = self.program.table(dict(
-            options, ts_max_steps=round(time / dt), monitor_interval=round(300 / dt) if dt < 5 else 1))
+            options, ts_max_steps=round(time / dt),
+            monitor_interval=round(300 / dt) if dt < 5 else 1))
         elastic = rows.elastic
         balance = rows["total"] + rows["damped"]
         common = np.abs((rows["time_fs"] + 1) % 300 - 1) < 1e-6

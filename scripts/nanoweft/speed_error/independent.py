@@ -53,8 +53,8 @@ def law(r, splice, switch, cutoff):
 
 
 def pair_energies(d, along, n, T, splice, switch, cutoff):
-    """U_ij of parallel segments at distance d whose centres are `along` apart; the law is an energy per
-    length squared."""
+    """U_ij of parallel segments at distance d whose centres are `along` apart;
+    the law is an energy per length squared."""
     shift = (np.arange(n)[:, None] - np.arange(n)) * T / n
     r = np.sqrt(d[..., None, None]**2 + (along[..., None, None] + shift)**2)
     return (T / LENGTH)**2 * law(r, splice, switch, cutoff).mean(axis=(-1, -2))
@@ -62,7 +62,8 @@ def pair_energies(d, along, n, T, splice, switch, cutoff):
 
 def tube_energy(d, offset, n, T=LENGTH, splice="smooth", switch=3 * LENGTH, cutoff=4 * LENGTH,
                 far=None):
-    """Energy per length of two infinite parallel tubes; `far`: points, beginning, width of the blend."""
+    """Energy per length of two infinite parallel tubes;
+    `far`: points, beginning, width of the blend."""
     d, offset = np.broadcast_arrays(np.asarray(d, float), np.asarray(offset, float))
     reach = int(np.ceil(cutoff / T)) + 1
     along = offset[..., None] + T * np.arange(-reach, reach + 1)
@@ -90,8 +91,8 @@ def resting_energies(n, T=LENGTH, offsets=16, **options):
 
 
 def elastica_tip(load, length):
-    """x/L and y/L of the tip of a clamped tube under a transverse dead load P with P L^2/EJ = load. The
-    tube is extensible, as the solver's is: at these loads it grows by a tenth of a percent."""
+    """x/L and y/L of the tip of a clamped tube under a transverse dead load P with P L^2/EJ = load.
+    The tube is extensible, as the solver's is: at these loads it grows by a tenth of a percent."""
     stretch = load * EJ / length**2 / ES
 
     def rate(s):
@@ -113,8 +114,8 @@ def elastica_tip(load, length):
 
 
 def free_beam_frequency(length, elements):
-    """Lowest bending frequency (rad/fs) of a free tube: Hermite elements, masses and rotary inertias at
-    the middle of `elements` equal pieces."""
+    """Lowest bending frequency (rad/fs) of a free tube: Hermite elements, masses and rotary
+    inertias at the middle of `elements` equal pieces."""
     T = length / elements
     block = EJ / T**3 * np.array([[12, 6 * T, -12, 6 * T], [6 * T, 4 * T**2, -6 * T, 2 * T**2],
                                   [-12, -6 * T, 12, -6 * T], [6 * T, 2 * T**2, -6 * T, 4 * T**2]])

@@ -25,7 +25,8 @@ def machine():
 
 
 def row(setting, scene, measure, error, cost):
-    """A row of the table; a setting's cost counts for the same length of fibre and simulated time."""
+    """A row of the table; a setting's cost counts for the same length of fibre
+    and simulated time."""
     same = {"axis": setting.axis, "setting": setting.name, "scene": scene, "measure": measure,
             "error": error, "step_fs": setting.dt, "segment_A": setting.length}
     if setting.axis == "time step":
@@ -43,7 +44,8 @@ def cost_columns(cost, factor=1.0):
 
 
 def timed_options(setting, axes):
-    """What is timed for a setting on the bundle; segments of other lengths have their own bundle."""
+    """What is timed for a setting on the bundle;
+    segments of other lengths have their own bundle."""
     if setting.axis != "length":
         return setting.options | {"ts_dt": setting.dt}
     file = generators.bundle(axes.folder / f"bundle{setting.length:g}.h5", setting.length,

@@ -209,7 +209,8 @@ def terms(rows):
     lines = []
     for name in dict.fromkeys(r["setting"] for r in of):
         same = [r for r in of if r["setting"] == name]
-        lost = "; ".join(f"{r['scene']}: {r['measure']} {number(r['error'])}" for r in same if r["measure"])
+        lost = "; ".join(f"{r['scene']}: {r['measure']} {number(r['error'])}"
+                         for r in same if r["measure"])
         cost = f"{same[0]['step_cost']:.2f} +- {same[0]['step_cost_spread']:.2f}"
         lines.append([name, cost, lost])
     return table(["", "step cost", "difference in the result"], lines)
@@ -235,7 +236,8 @@ def write(facts, rows, folder):
                     paper_corrugation=f"{100 * paper:.1f} %"),
         POINTS.format(table=errors(rows, "points", both), sums=facts["sums"], **facts["adhesion"]),
         FAR.format(table=errors(rows, "far points")),
-        *([DEFAULT.format(table=errors(rows, "default"))] if any(r["axis"] == "default" for r in rows) else []),
+        *([DEFAULT.format(table=errors(rows, "default"))]
+          if any(r["axis"] == "default" for r in rows) else []),
         *([PRECISION.format(table=errors(rows, "precision"))]
           if any(r["axis"] == "precision" for r in rows) else []),
         RANGE.format(table=errors(rows, "range")),

@@ -77,7 +77,8 @@ def name_points(axes, rows, x, y, best):
             continue
         text, large = short(rows[k]), rows[k]["axis"] == "settings"
         size = np.array([(5.2 if large else 4.4) * len(text) + 1, 9]) * point
-        for dx, dy, side in (SIDES[3::-1] + SIDES[4:] if rows[k]["axis"] == "far points" else SIDES):
+        for dx, dy, side in (SIDES[3::-1] + SIDES[4:]
+                             if rows[k]["axis"] == "far points" else SIDES):
             corner = pixels[k] + np.array([dx, dy]) * point - size * [SHIFT[side], 0]
             inside = corner[0] + size[0] < axes.bbox.x1
             if inside and all(np.any(np.abs(corner + size / 2 - c) > (size + other) / 2)

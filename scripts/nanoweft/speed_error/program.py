@@ -43,7 +43,8 @@ def kept(method: Method) -> Method:
 
 
 class Program:
-    """One rank and one thread at a time; `workers` of them side by side where time is not measured."""
+    """One rank and one thread at a time;
+    `workers` of them side by side where time is not measured."""
 
     def __init__(self, folder: pathlib.Path, workers: int) -> None:
         self.folder = pathlib.Path(folder).resolve()
@@ -52,7 +53,8 @@ class Program:
         self.count = itertools.count()
 
     def run(self, options: Options, *more: str) -> Printed:
-        if options.get("pair_points"):  # settings without far points have none, whatever the default
+        if options.get("pair_points"):
+            # Settings without far points have none, whatever the default.
             options = {"pair_far_points": options["pair_points"], **options}
         words = [*option_words.words(options), *more]
         done = runs.run(words)

@@ -49,7 +49,8 @@ def precisions(quick):
     points = {"3": DEFAULT, "5": dict(DEFAULT, pair_points=5),
               "3, 1 from 2T": dict(DEFAULT, pair_far_points=1, pair_far_from=2 * LENGTH,
                                      pair_far_width=LENGTH / 2)}
-    return [Setting("precision", f"{name} {precision}", dict(points[name], pair_precision=precision))
+    return [Setting("precision", f"{name} {precision}",
+                    dict(points[name], pair_precision=precision))
             for name in (("3",) if quick else points) for precision in ("double", "single")]
 
 

@@ -13,7 +13,8 @@ STRETCH, SHEAR, TORSION = 67.593, 12 * EJ / LENGTH, 1470.6
 
 
 def stiffness(shear=1.0, torsion=1.0):
-    """B1..B4 with part of the shear or torsional stiffness; the curvature's stiffness EJ/T stays."""
+    """B1..B4 with part of the shear or torsional stiffness;
+    the curvature's stiffness EJ/T stays."""
     b2, b4 = shear * SHEAR, torsion * TORSION
     return f"{STRETCH!r},{b2!r},{EJ / LENGTH - b2 / 4 - b4 / 2!r},{b4!r}"
 
@@ -33,7 +34,8 @@ def cases(folder):
         "with energies every step": dict(monitor, monitor_interval=1),
         "with energies every 10 steps": dict(monitor, monitor_interval=10),
         "with energies every 100 steps": dict(monitor, monitor_interval=100),
-        "without torsional stiffness (a millionth)": {"fibre_bond_stiffness": stiffness(torsion=1e-6)},
+        "without torsional stiffness (a millionth)": {
+            "fibre_bond_stiffness": stiffness(torsion=1e-6)},
         "a quarter of the shear stiffness": {"fibre_bond_stiffness": stiffness(shear=0.25)},
     }
 
@@ -46,8 +48,8 @@ def costs(stopwatch, scene, folder):
 def events(stopwatch, scene, folder):
     """The solver's log events in 100 steps of a bare scene, without pair forces, and with all."""
     more = cases(folder)
-    everything = BARE | more["with viscous damping"] | more["with breakage"] | more["with energies every step"] | {
-        "damping_local": 0.4}
+    everything = (BARE | more["with viscous damping"] | more["with breakage"]
+                  | more["with energies every step"] | {"damping_local": 0.4})
     runs = {"bare": BARE, "without pair forces": BARE | more["without pair forces"],
             "everything": everything}
     return {name: stopwatch.once(scene, options, 100, "-log_view").events

@@ -1,7 +1,7 @@
 """What a setting costs: runs one at a time, interleaved with runs of the paper's setting.
 
-A machine's speed wanders, so a cost is quoted as the ratio to a run of the paper's setting next to it
-in time; the median over the rounds is taken.
+A machine's speed wanders, so a cost is quoted as the ratio to a run of the paper's setting next to
+it in time; the median over the rounds is taken.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,8 @@ class Stopwatch:
         short = self.once(scene, base, 20)
         steps = self.seconds * 20 / short.wall
         count = {name: max(10, round(steps / work(options))) for name, options in cases.items()}
-        # The solver's count of pairs includes the estimate of the stable step: a run of one step has it.
+        # The solver's count of pairs includes the estimate of the stable step:
+        # a run of one step has it.
         single = {name: self.once(scene, options, 1) for name, options in cases.items()}
         seen = {name: [] for name in cases}
         for _ in range(self.rounds):
@@ -59,7 +60,8 @@ class Stopwatch:
     def summary(seen, single):
         ratios = [b.segment_steps / a.segment_steps for a, b in seen]
         speed = np.median([a.segment_steps for a, _ in seen])
-        pairs = np.median([(a.resolved - single.resolved) / (a.steps - 1) / a.segments for a, _ in seen])
+        pairs = np.median([(a.resolved - single.resolved) / (a.steps - 1) / a.segments
+                           for a, _ in seen])
         return Cost(1e9 / speed, pairs * speed, float(np.median(ratios)),
                     0.5 * float(np.ptp(ratios)),
                     single.limits[2])

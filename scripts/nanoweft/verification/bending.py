@@ -68,12 +68,14 @@ def beams():
 
         def supported(name, load):
             return settle(name, [(straight(n), in_plane(np.zeros(n + 1)))], groups,
-                          "-pair none -bc left,right,middle -left_group 0 -left_fix 1,1,1 -right_group 1 "
-                          f"-right_fix 0,1,1 -middle_group 2 -middle_force 0,0,{load!r}",
+                          "-pair none -bc left,right,middle -left_group 0 -left_fix 1,1,1 "
+                          "-right_group 1 -right_fix 0,1,1 -middle_group 2 "
+                          f"-middle_force 0,0,{load!r}",
                           max(period(n) / 3, 200), Rest(1e-11))
         half = np.minimum(s, L - s)
         shape = P * half * (3 * L**2 - 4 * half**2) / (48 * EJ)
-        rows.append(Row("two supports", f"deflection at the centre, A, {n} bonds (error: worst node)",
+        rows.append(Row("two supports",
+                        f"deflection at the centre, A, {n} bonds (error: worst node)",
                         *small_load_error("supported", n, shape, P, supported), 1e-9, why))
     return rows
 
@@ -90,11 +92,13 @@ def loaded(name, segments, fx, fz, exact):
     CURVES[f"{name}_{segments}"] = state.whole[:, [0, 2]] / L
     CURVES[f"{name}_exact"] = np.column_stack([exact[1], exact[2]])
     end = state.whole[-1] / L
-    return np.array([angles_in_plane(state)[-1], end[0], end[2]]), unsettled(state, f * np.array([fx, 0, fz]))
+    return (np.array([angles_in_plane(state)[-1], end[0], end[2]]),
+            unsettled(state, f * np.array([fx, 0, fz])))
 
 
 def unsettled(state, load):
-    """How far the end is from rest, over L: the forces left over, against a cantilever's stiffness."""
+    """How far the end is from rest, over L: the forces left over,
+    against a cantilever's stiffness."""
     n = len(state.whole) - 1
     L, s = n * T, np.arange(n + 1) / n
     force = state["force"].copy()
@@ -120,22 +124,25 @@ def elastica_load(load):
     rows = []
     for k, what in enumerate(("angle of the end", "x/L", "y/L")):
         limit, doubt = richardson([found[n][k] for n in (20, 40, 80)])
-        rows.append(Row("elastica", f"P L^2/EJ = {load}: {what}", tip[k], limit, abs(limit - tip[k]),
-                        doubt + 2 * left, EXTRAPOLATED))
+        rows.append(Row("elastica", f"P L^2/EJ = {load}: {what}", tip[k], limit,
+                        abs(limit - tip[k]), doubt + 2 * left, EXTRAPOLATED))
     errors = [np.abs(found[n] - tip).max() for n in (20, 40, 80)]
-    rows.append(order_row("elastica", f"P L^2/EJ = {load}: order in T of the worst of the three", errors))
+    rows.append(order_row("elastica", f"P L^2/EJ = {load}: order in T of the worst of the three",
+                          errors))
     return rows
 
 
 def order_row(family, name, errors):
-    """The order from the two finest sizes; its distance from 2 must have fallen fourfold (here: twofold)."""
+    """The order from the two finest sizes; its distance from 2 must have fallen fourfold
+    (here: twofold)."""
     coarse = abs(order(errors[:2]) - 2)
     return Row(family, name, 2.0, order(errors), abs(order(errors) - 2), max(coarse / 2, 1e-3),
                "half of the distance from 2 at the next coarser pair")
 
 
 def circle():
-    """A couple 2 pi EJ/L at the end. The bond's law: M = B2/2 sin(a/2) - B2/6 sin a for a bend of a."""
+    """A couple 2 pi EJ/L at the end. The bond's law:
+    M = B2/2 sin(a/2) - B2/6 sin a for a bend of a."""
     rows, turns, gaps = [], [], []
     for n in (10, 20, 40, 80):
         L = n * T
@@ -153,8 +160,9 @@ def circle():
         turn = angles_in_plane(state)[-1]
         turns.append(turn)
         gaps.append(np.linalg.norm(state.whole[-1] - state.whole[0]) / L)
-        rows.append(relative("circle", f"angle turned by 2 pi EJ/L, rad, law of the bond, {n} bonds", n * a,
-                             turn, 1e-10, "round-off of the torques and the settling"))
+        rows.append(relative("circle",
+                             f"angle turned by 2 pi EJ/L, rad, law of the bond, {n} bonds",
+                             n * a, turn, 1e-10, "round-off of the torques and the settling"))
     limit, doubt = richardson(turns[1:])
     rows.append(Row("circle", "angle turned by 2 pi EJ/L, rad, limit T = 0", 2 * math.pi, limit,
                     abs(limit - 2 * math.pi), doubt, EXTRAPOLATED))

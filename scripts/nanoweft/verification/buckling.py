@@ -28,14 +28,16 @@ def euler(support, factor):
                                              options + f" -right_force {-load!r},0,0", load)
             squares.append((omega**2, chain**2))
         # omega^2 is nearly a straight line in P: a parabola's zero.
-        zeros = [zero_of_parabola(np.array(SHARES) * P, np.array(column)) for column in zip(*squares)]
+        zeros = [zero_of_parabola(np.array(SHARES) * P, np.array(column))
+                 for column in zip(*squares)]
         ratios.append(zeros[0] / P)
         curvature = abs(zeros[1] / expected - 1)
     rows.append(relative("Euler load", f"{support}, eV/A, chain of 40 bonds", expected, zeros[0],
-                         2 * curvature + 1e-8, "extrapolation of squared frequencies to zero, and their round-off"))
+                         2 * curvature + 1e-8,
+                         "extrapolation of squared frequencies to zero, and their round-off"))
     limit, doubt = richardson(ratios)
-    rows.append(Row("Euler load", f"{support}, over Euler's, limit T = 0", 1.0, limit, abs(limit - 1),
-                    doubt + 2 * curvature, "uncertainty of both extrapolations"))
+    rows.append(Row("Euler load", f"{support}, over Euler's, limit T = 0", 1.0, limit,
+                    abs(limit - 1), doubt + 2 * curvature, "uncertainty of both extrapolations"))
     rows.append(order_row("Euler load", f"{support}: order in T", [abs(r - 1) for r in ratios]))
     CURVES.setdefault("convergence", {})[f"Euler {support}"] = [
         (n, abs(r - 1)) for n, r in zip((10, 20, 40), ratios)]
@@ -60,12 +62,13 @@ def beyond():
         exact = elastica.solve(-ratio * math.pi**2 / 4, 0, alpha)
         if abs(exact[2][-1] - y) > 1e-9:
             raise ArithmeticError("buckled elastica: integration and elliptic integrals differ")
-        settled = [loaded(f"buckled_{ratio}", n, -ratio * math.pi**2 / 4, 0, exact) for n in (10, 20, 40)]
+        settled = [loaded(f"buckled_{ratio}", n, -ratio * math.pi**2 / 4, 0, exact)
+                   for n in (10, 20, 40)]
         left = settled[-1][1]
         for k, (what, value) in enumerate((("x/L", x), ("y/L", y))):
             limit, doubt = richardson([found[k + 1] for found, _ in settled])
-            rows.append(Row("buckled", f"{ratio} x Euler's load, clamped-free: {what}", value, limit,
-                            abs(limit - value), doubt + 2 * left, EXTRAPOLATED))
+            rows.append(Row("buckled", f"{ratio} x Euler's load, clamped-free: {what}", value,
+                            limit, abs(limit - value), doubt + 2 * left, EXTRAPOLATED))
         CURVES.setdefault("path", []).append((ratio, limit))
     return rows
 

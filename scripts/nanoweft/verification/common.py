@@ -24,7 +24,8 @@ CURVES: dict[str, Any] = {}  # what the plot shows, by name
 
 @dataclasses.dataclass
 class Row:
-    """One comparison: of what, expected and measured, and the bound on the error with its reason."""
+    """One comparison: of what, expected and measured,
+    and the bound on the error with its reason."""
     family: str
     name: str
     expected: float
@@ -85,10 +86,12 @@ def simulate(name: str, options: str) -> pathlib.Path:
     folder.mkdir(parents=True, exist_ok=True)
     words = options.format(dir=folder.relative_to(runs.ROOT)).split()
     done = runs.run(words)
-    (folder / "log.txt").write_text(" ".join(map(str, done.args)) + "\n" + done.stdout + done.stderr)
+    (folder / "log.txt").write_text(" ".join(map(str, done.args)) + "\n" + done.stdout
+                                    + done.stderr)
     if done.returncode:
         last = (done.stderr.strip() or done.stdout.strip()).splitlines()[-1:]
-        raise RunFailed(f"{name}: status {done.returncode}: {' '.join(last)} (see {folder}/log.txt)")
+        raise RunFailed(f"{name}: status {done.returncode}: {' '.join(last)} "
+                        f"(see {folder}/log.txt)")
     return folder
 
 

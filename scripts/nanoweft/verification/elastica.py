@@ -1,11 +1,13 @@
-"""The elastica: planar, inextensible, EJ = L = 1; clamped at the origin along x, a dead force at its end."""
+"""The elastica: planar, inextensible, EJ = L = 1; clamped at the origin along x,
+a dead force at its end."""
 import math
 
 import numpy as np
 
 
 def integrate(alpha, fx, fz, steps):
-    """From the free end, where the angle is alpha, back to the clamp; rows: angle, curvature, x, z."""
+    """From the free end, where the angle is alpha, back to the clamp;
+    rows: angle, curvature, x, z."""
     def slope(u):
         s, c = math.sin(u[0]), math.cos(u[0])
         return np.array([u[1], -(fz * c - fx * s), c, s])
@@ -45,7 +47,8 @@ def complete_integrals(k):
 
 
 def buckled(ratio):
-    """Clamped-free under ratio times the Euler load: angle, x/L, y/L of the end, from K(k), E(k)."""
+    """Clamped-free under ratio times the Euler load: angle, x/L, y/L of the end,
+    from K(k), E(k)."""
     target = math.pi / 2 * math.sqrt(ratio)
     low, high = 0.0, 1 - 1e-12
     for _ in range(200):

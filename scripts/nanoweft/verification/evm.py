@@ -16,8 +16,8 @@ def energies(x, frames, tube, shift=None):
     d = gap / r[:, None]
     a, b = R[:, :, 0], -S[:, :, 0]
     across = np.sum(R[:, :, 1] * S[:, :, 1] + R[:, :, 2] * S[:, :, 2], 1)
-    return (tube.B1 / 2 * (r - tube.T)**2 + tube.B2 / 2 * np.sum((b - a) * d, 1) + tube.B3 * np.sum(a * b, 1)
-            - tube.B4 / 2 * across + tube.B2 + tube.B3 + tube.B4)
+    return (tube.B1 / 2 * (r - tube.T)**2 + tube.B2 / 2 * np.sum((b - a) * d, 1)
+            + tube.B3 * np.sum(a * b, 1) - tube.B4 / 2 * across + tube.B2 + tube.B3 + tube.B4)
 
 
 def neighbours(x, frames, shift):

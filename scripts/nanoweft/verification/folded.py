@@ -1,10 +1,11 @@
 """A fibre that holds on to itself: racket and ring beside the straight fibre.
 
-The length that counts is l = sqrt(EJ/W), W the adhesion per length. E and G are lowered until l = 8 T.
-Closed forms: a racket's head has the length 6.055 l and the racket has less energy than the straight fibre
-beyond 12.11 l; a ring of one turn and an overlap, taken as a circle, beyond 11.54 l. They hold for thin tubes
-with adhesion of no range. Here tubes have their distance d = 0.16 l and attract each other a few A further,
-so the racket's energy is also computed from a planar curve with the tubes' own energy e(distance)."""
+The length that counts is l = sqrt(EJ/W), W the adhesion per length. E and G are lowered until
+l = 8 T. Closed forms: a racket's head has the length 6.055 l and the racket has less energy than
+the straight fibre beyond 12.11 l; a ring of one turn and an overlap, taken as a circle, beyond
+11.54 l. They hold for thin tubes with adhesion of no range. Here tubes have their distance
+d = 0.16 l and attract each other a few A further, so the racket's energy is also computed from a
+planar curve with the tubes' own energy e(distance)."""
 import math
 
 import numpy as np
@@ -24,13 +25,14 @@ SIZES = (80, 120)
 
 def options(fineness):
     """Segments `fineness` times shorter."""
-    return (f"-fibre_young {1029 * SOFT!r} -fibre_shear {459 * SOFT!r} -fibre_segment_length {T / fineness!r} "
-            f"-pair_points {POINTS} -ts_dt {20 / fineness} "
+    return (f"-fibre_young {1029 * SOFT!r} -fibre_shear {459 * SOFT!r} "
+            f"-fibre_segment_length {T / fineness!r} -pair_points {POINTS} -ts_dt {20 / fineness} "
             "-energy_monitor ascii:{dir}/energy.csv -monitor_interval 2000 ")
 
 
 def head(width):
-    """Half of a racket's head, lengths in l, whose ends are `width` apart: angle, x from the axis, arc length.
+    """Half of a racket's head, lengths in l, whose ends are `width` apart:
+    angle, x from the axis, arc length.
 
     f'' = -v cos f, f' = 1 where contact ends (EJ f'^2 = W), f = -pi/2 and x = 0 at the tip."""
     def path(v, h=1e-3):
@@ -67,9 +69,11 @@ def tubes(distances, h=1e-3):
 
 
 def curve(half_length, cells=300):
-    """Least energy of a racket: a planar inextensible curve with the tubes' energy at their distance 2 x.
+    """Least energy of a racket: a planar inextensible curve
+    with the tubes' energy at their distance 2 x.
 
-    Unknown are the angles of its cells from the tip on; Newton's method with a shift that keeps it downhill."""
+    Unknown are the angles of its cells from the tip on;
+    Newton's method with a shift that keeps it downhill."""
     h = half_length / cells
     middle = (np.arange(cells) + 0.5) * h
     angle, _, s, _ = head(DISTANCE / REACH)
@@ -90,7 +94,8 @@ def curve(half_length, cells=300):
     shift, now = 1.0, parts(f)
     for _ in range(200):
         gradient = 2 * stiff @ (f - math.pi / 2) + 2 * np.cos(f) * (across.T @ now[1])
-        curvature = (2 * stiff + 4 * np.outer(np.cos(f), np.cos(f)) * (across.T @ (now[2][:, None] * across))
+        curvature = (2 * stiff + 4 * np.outer(np.cos(f), np.cos(f))
+                     * (across.T @ (now[2][:, None] * across))
                      - np.diag(2 * np.sin(f) * (across.T @ now[1])))
         step = np.linalg.solve(curvature + shift * np.eye(cells), -gradient)
         new = parts(f + step)
@@ -140,7 +145,8 @@ def relaxed(name, start, fineness=1):
                    Rest(1e-7, 240000 * fineness))
     table = tables.read(RESULTS / name / "energy.csv")
     CURVES[name] = state.whole
-    return sum(table[part][-1] for part in ("stretch", "shear", "bending", "torsion", "pair")), state
+    parts = "stretch", "shear", "bending", "torsion", "pair"
+    return sum(table[part][-1] for part in parts), state
 
 
 def racket():
@@ -156,11 +162,13 @@ def racket():
             own_energy, x, _ = curve(n * T / 2)
             expected[n] = own_energy + missing_end()
         thin = W * (bending * REACH + closed * REACH / 2 - n * T / 2)
-        rows.append(Row("racket", f"{n * T / REACH:.2f} l long, energy, eV: thin tubes; same sign", thin,
-                        energies[n], abs(energies[n] - thin), abs(thin), "the sign: which state wins"))
+        rows.append(Row("racket", f"{n * T / REACH:.2f} l long, energy, eV: thin tubes; same sign",
+                        thin, energies[n], abs(energies[n] - thin), abs(thin),
+                        "the sign: which state wins"))
     n, more = SIZES[0], SIZES[1] - SIZES[0]
-    rows.append(relative("racket", "energy of a longer arm, eV/A", arm(), (energies[n + more] - energies[n])
-                         / (more * T), 1e-5, "settling and the points' corrugation, 2e-5 of W at most"))
+    rows.append(relative("racket", "energy of a longer arm, eV/A", arm(),
+                         (energies[n + more] - energies[n]) / (more * T), 1e-5,
+                         "settling and the points' corrugation, 2e-5 of W at most"))
     fine, fine_state = relaxed(f"racket_{n}_fine", racket_start(2 * n, T / 2), 2)
 
     def critical(e):
@@ -170,11 +178,13 @@ def racket():
     for what, (first, second), value in zip(("critical length over l", "width of the head, A"),
                                             found, own):
         limit = (4 * second - first) / 3
-        rows.append(Row("racket", what + ", limit T = 0: curve with the tubes' energy", value, limit,
-                        abs(limit / value - 1), abs(second - first) / 3 / value,
+        rows.append(Row("racket", what + ", limit T = 0: curve with the tubes' energy", value,
+                        limit, abs(limit / value - 1), abs(second - first) / 3 / value,
                         "the last step of the extrapolation to T = 0"))
-    rows.append(relative("racket", "critical length over l: thin tubes, no range", 2 * bending + closed, found[0][1],
-                         math.sqrt(DISTANCE / REACH) / 4, "thickness and range: a quarter of the root of d/l"))
+    rows.append(relative("racket", "critical length over l: thin tubes, no range",
+                         2 * bending + closed, found[0][1],
+                         math.sqrt(DISTANCE / REACH) / 4,
+                         "thickness and range: a quarter of the root of d/l"))
     return rows
 
 
@@ -196,7 +206,8 @@ def arm():
 
     def value(strain, distance):
         z = k[:, None, None] * T * (1 + strain) + a[:, None] - a[None, :]
-        return (law(np.hypot(distance, z), "smooth").sum() / POINTS**2 + FIBRE.B1 * (strain * T)**2) / (2 * T)
+        return (law(np.hypot(distance, z), "smooth").sum() / POINTS**2
+                + FIBRE.B1 * (strain * T)**2) / (2 * T)
     return min(best(lambda d: value(strain, d))[1] for strain in np.linspace(-2e-3, 0, 41))
 
 
@@ -208,8 +219,9 @@ def ring():
         radius = (FIBRE.EJ * L / (2 * math.pi * W)) ** (1 / 3)
         circle = FIBRE.EJ * L / (2 * radius**2) - W * (L - 2 * math.pi * radius)
         found, _ = relaxed(f"ring_{n}", ring_start(n))
-        rows.append(Row("ring", f"{L / REACH:.2f} l long, energy, eV: thin circle; same sign", circle, found,
-                        abs(found - circle), abs(circle), "the sign: which state wins"))
+        rows.append(Row("ring", f"{L / REACH:.2f} l long, energy, eV: thin circle; same sign",
+                        circle, found, abs(found - circle), abs(circle),
+                        "the sign: which state wins"))
     return rows
 
 

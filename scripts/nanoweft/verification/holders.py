@@ -71,7 +71,8 @@ def cycle():
     back = int(np.argmax(stress["strain"]))
     kept = np.interp(0, -mean[back:], stress["strain"][back:]) * part
     rows.append(relative(PROGRAM, "tube that yields at 0.5 %, pulled to 2 %: strain that stays",
-                         0.02 * part - 0.005, float(kept), 5e-3, "waves that turning leaves behind"))
+                         0.02 * part - 0.005, float(kept), 5e-3,
+                         "waves that turning leaves behind"))
     return rows
 
 

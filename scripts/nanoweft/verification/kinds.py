@@ -59,11 +59,13 @@ def crossed(a, b, distance):
 
 
 def row_of(tube, start, reach, axis=0, slide=0.3):
-    """A straight fibre through `start` that goes on for `reach` to both sides, off by a part of a segment."""
+    """A straight fibre through `start` that goes on for `reach` to both sides,
+    off by a part of a segment."""
     count = 2 * math.ceil(reach / tube.T) + 2
     x = np.tile(np.array(start, float), (count, 1))
     x[:, axis] += (np.arange(count) - 0.5 * (count - 1) + slide) * tube.T
-    q = in_plane(np.zeros(count)) if axis == 0 else rotation_about((0, 0, 1), np.full(count, math.pi / 2))
+    q = (in_plane(np.zeros(count)) if axis == 0 else
+         rotation_about((0, 0, 1), np.full(count, math.pi / 2)))
     return x, q
 
 
@@ -89,7 +91,8 @@ def evaluate(folder, tubes, fibres, options="", steps="-ts_max_steps 0"):
 
 
 def adhesion_of(name, a, b, options=""):
-    """Adhesion per length of a short fibre of kind a beside a long one of kind b: integral, program."""
+    """Adhesion per length of a short fibre of kind a beside a long one of kind b:
+    integral, program."""
     where, value = best(lambda d: along(a, b, d), a.radius + b.radius + 2, a.radius + b.radius + 4)
     reach = math.sqrt((a.radius + b.radius + REACH)**2 - where**2)
     short = row_of(a, (0, 0, 0), 8 * T)
@@ -103,9 +106,10 @@ def adhesion():
     rows = []
     for k, (name, (a, b)) in enumerate(PAIRS.items()):
         what = f"adhesion, eV/A, {name}: integral over both axes"
-        rows += [relative(FAMILY, what, *adhesion_of(f"kinds_adhesion_{k}", a, b, points(a, b)), *FINE),
-                 relative(FAMILY, what + ", default points", *adhesion_of(f"kinds_default_{k}", a, b),
-                          *DEFAULT)]
+        rows += [relative(FAMILY, what, *adhesion_of(f"kinds_adhesion_{k}", a, b, points(a, b)),
+                          *FINE),
+                 relative(FAMILY, what + ", default points",
+                          *adhesion_of(f"kinds_default_{k}", a, b), *DEFAULT)]
     return rows
 
 
@@ -128,7 +132,8 @@ def crossing():
         d = a.radius + b.radius + 4.5
         reach = math.sqrt((a.radius + b.radius + REACH)**2 - d**2)
         energy, force = crossed(a, b, d)
-        fibres = row_of(a, (0, 0, 0), reach + 2 * a.T), row_of(b, (0, 0, d), reach + 2 * b.T, 1, 0.2)
+        fibres = (row_of(a, (0, 0, 0), reach + 2 * a.T),
+                  row_of(b, (0, 0, d), reach + 2 * b.T, 1, 0.2))
         state, found = evaluate(new_folder(f"kinds_crossing_{k}"), (a, b), fibres, points(a, b))
         pushed = state["force"][state["fibre"] == 1, 2].sum()
         rows += [relative(FAMILY, f"crossing, eV, {name}: 2 pi int w r dr", energy, found, *FINE),
@@ -146,11 +151,13 @@ def one_fibre():
     simulate(folder.name, "-scene file -scene_file {dir}/one.h5 -ts_max_steps 0 "
              "-energy_monitor ascii:{dir}/one.csv")
     return [relative(FAMILY, "pair energy, eV, two kinds that are one fibre: one kind",
-                     tables.read(folder / "one.csv")["pair"][0], energy, 1e-12, "round-off of the sums")]
+                     tables.read(folder / "one.csv")["pair"][0], energy, 1e-12,
+                     "round-off of the sums")]
 
 
 def motion():
-    """A thin fibre let go 0.3 A beyond its resting distance from one a hundred times as thick, undamped."""
+    """A thin fibre let go 0.3 A beyond its resting distance from one a hundred times as thick,
+    undamped."""
     where = best(lambda d: along(THIN, HUNDRED, d), 101 * RF + 2, 101 * RF + 4)[0]
     fibres = row_of(THIN, (0, 0, 0), 8 * T), row_of(HUNDRED, (0, where + 0.3, 0), 8 * T)
     spread = []
@@ -161,10 +168,10 @@ def motion():
         table = tables.read(folder / "energy.csv")
         spread.append(np.ptp(table.balance) / table.motion.max())
     rate = math.log2(spread[0] / spread[1])
-    return [Row(FAMILY, "1 : 100 in motion, undamped: spread of the energy over its motion, 10 fs", 0.0,
-                spread[1], spread[1], 1e-2, "second order in the step"),
-            Row(FAMILY, "1 : 100 in motion, undamped: order in the step", 2.0, rate, abs(rate - 2), 0.3,
-                "terms of fourth order")]
+    return [Row(FAMILY, "1 : 100 in motion, undamped: spread of the energy over its motion, 10 fs",
+                0.0, spread[1], spread[1], 1e-2, "second order in the step"),
+            Row(FAMILY, "1 : 100 in motion, undamped: order in the step", 2.0, rate, abs(rate - 2),
+                0.3, "terms of fourth order")]
 
 
 CHECKS = {"kinds_adhesion": adhesion, "kinds_cut": cut, "kinds_crossing": crossing,

@@ -1,7 +1,8 @@
 """Small bending motions of a chain, from its bonds' energy for small angles.
 
-A bond with chord r between nodes with deflection y and rotation f has the angles t = f - (y_j - y_i)/r
-against its chord and the energy 2 EJ/T (t1^2 + t1 t2 + t2^2) - P (y_j - y_i)^2/(2 r) under compression P.
+A bond with chord r between nodes with deflection y and rotation f has the angles
+t = f - (y_j - y_i)/r against its chord and the energy
+2 EJ/T (t1^2 + t1 t2 + t2^2) - P (y_j - y_i)^2/(2 r) under compression P.
 Nodes have mass m and inertia I. Degrees of freedom: y_0, f_0, y_1, f_1, ..."""
 import numpy as np
 

@@ -1,4 +1,5 @@
-"""Two parallel tubes: adhesion, best distance, corrugation, and the force that pulls one off the other."""
+"""Two parallel tubes: adhesion, best distance, corrugation,
+and the force that pulls one off the other."""
 import math
 
 import numpy as np
@@ -46,7 +47,8 @@ def law(r, splice, cut=True):
 
 
 def energy(distance, slide, points, splice):
-    """Energy per length of two infinite tubes: a sum over the points of both in one segment and its images."""
+    """Energy per length of two infinite tubes:
+    a sum over the points of both in one segment and its images."""
     z = np.arange(-12 * points, 12 * points + 1) * T / points
     return np.sum(law(np.hypot(distance, z + slide), splice)) / (points * T)
 
@@ -87,23 +89,27 @@ def adhesion():
         folder = new_folder(f"adhesion_{splice}")
         where, value = best(lambda d: energy(d, 0.0, 7, splice))
         measured = program_energy(folder, where, 0.0, 7, splice)
-        rows.append(relative("adhesion", f"{splice}, 7 points, eV/A: own sum", value, measured, 1e-10,
-                             "round-off of the sums"))
-        # Least energy over the distance, from the program alone: a parabola through five distances' energies.
+        rows.append(relative("adhesion", f"{splice}, 7 points, eV/A: own sum", value, measured,
+                             1e-10, "round-off of the sums"))
+        # Least energy over the distance, from the program alone:
+        # a parabola through five distances' energies.
         d = where + 0.02 * np.arange(-2, 3)
         e = [program_energy(folder, k, T / 28, 7, splice) for k in d]
         fit = np.polyfit(d - where, e, 4)
         roots = np.roots(np.polyder(fit))
         found = where + roots[np.argmin(np.abs(roots))].real
         exact, least = best(lambda d: continuous(d, splice, True))
-        shift = max(abs(best(lambda d: energy(d, s, 7, splice))[0] - exact) for s in (0, T / 28, T / 14))
-        rows.append(Row("adhesion", f"{splice}, best distance, A: integral over both tubes", exact, found,
-                        abs(found - exact), shift + 1e-4, "7 points for the integral, and the fit"))
+        shift = max(abs(best(lambda d: energy(d, s, 7, splice))[0] - exact)
+                    for s in (0, T / 28, T / 14))
+        rows.append(Row("adhesion", f"{splice}, best distance, A: integral over both tubes", exact,
+                        found, abs(found - exact), shift + 1e-4,
+                        "7 points for the integral, and the fit"))
         spread = max(abs(energy(exact, s, 7, splice) / least - 1) for s in (0, T / 28, T / 14))
         rows.append(relative("adhesion", f"{splice}, energy, eV/A: integral over both tubes", least,
                              program_energy(folder, exact, T / 28, 7, splice), spread + 1e-9,
                              "7 points for the integral"))
-        CURVES[f"adhesion_{splice}"] = [(k, energy(k, 0, 7, splice)) for k in np.linspace(16.2, 30, 200)]
+        CURVES[f"adhesion_{splice}"] = [
+            (k, energy(k, 0, 7, splice)) for k in np.linspace(16.2, 30, 200)]
         CURVES[f"adhesion_{splice}_program"] = [
             (k, program_energy(folder, k, 0.0, 7, splice))
             for k in (16.5, 16.8, 17.1, 17.4, 17.8, 18.5, 20, 22, 25, 28)]
@@ -111,7 +117,8 @@ def adhesion():
 
 
 def corrugation(splice):
-    """Spread of the least energy over the distance as one tube slides, over the strongest adhesion."""
+    """Spread of the least energy over the distance as one tube slides,
+    over the strongest adhesion."""
     rows, curve = [], []
     folder = new_folder(f"corrugation_{splice}")
     for points in (1, 2, 3, 4, 5, 7):
@@ -142,8 +149,9 @@ def own_force(segments, distance, slides, points, h=1e-4):
 def pull_off():
     """Force along the axis on a finite tube beside another, averaged over a slide by a segment.
 
-    Each slide by T takes one segment out of contact, so the mean is the adhesion W with the points as
-    they lie at the start. It is taken with Gauss's rule, as the corrugation is not periodic near the ends."""
+    Each slide by T takes one segment out of contact, so the mean is the adhesion W with the points
+    as they lie at the start. It is taken with Gauss's rule, as the corrugation is not periodic near
+    the ends."""
     rows, n = [], 30
     folder = new_folder("pull_off")
     for points in (3, 5):
@@ -162,7 +170,8 @@ def pull_off():
                  f"-state_forces -pair_points {points}")
         force = states.read(folder / "out.h5")["force"].reshape(-1, n, 3).sum(1)[1::2, 0]
         rule = abs(own_force(n, where, slides, points) @ weights / 2 / expected - 1)
-        rows.append(relative("pull-off", f"mean force along the axis, eV/A, {points} points: adhesion W",
+        rows.append(relative("pull-off",
+                             f"mean force along the axis, eV/A, {points} points: adhesion W",
                              expected, -force @ weights / 2, 2 * rule + 1e-9,
                              "twice the error of the same rule with an own force"))
         CURVES[f"pull_off_{points}"] = np.column_stack([slides / T, -force])

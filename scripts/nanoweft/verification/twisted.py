@@ -1,9 +1,9 @@
 """Twisted fibres that buckle: a straight one under tension, and Michell's ring.
 
-Both hold their twist because they are closed, through a periodic boundary or as a ring, with a whole
-number of turns; what varies is the tension, or the shear modulus. The threshold is where the squared
-frequency of the buckling mode passes through zero, extrapolated from three runs before it, and one run
-beyond it must grow."""
+Both hold their twist because they are closed, through a periodic boundary or as a ring, with a
+whole number of turns; what varies is the tension, or the shear modulus. The threshold is where the
+squared frequency of the buckling mode passes through zero, extrapolated from three runs before it,
+and one run beyond it must grow."""
 import glob
 import math
 
@@ -31,7 +31,8 @@ def straight(n, tension, turns=TURNS):
 
 
 def ring(n, shear):
-    """A ring with two turns of twist: its radius and the tilt of its segments out of the plane from rest."""
+    """A ring with two turns of twist:
+    its radius and the tilt of its segments out of the plane from rest."""
     tube = Tube(shear=shear)
     a = 2 * math.pi * np.arange(n) / n
     twist = rotation_about((1, 0, 0), TURNS * a)
@@ -52,7 +53,8 @@ def ring(n, shear):
     p = np.array([T / (2 * math.sin(math.pi / n)), 0.0])
     for _ in range(20):
         step = np.array([1e-4, 1e-6])
-        slope = np.column_stack([(push(p + s) - push(p - s)) / (2 * s.sum()) for s in np.diag(step)])
+        slope = np.column_stack([(push(p + s) - push(p - s)) / (2 * s.sum())
+                                 for s in np.diag(step)])
         p -= np.linalg.solve(slope, push(p))
     return tube, *shape(*p), np.zeros(3)
 
@@ -104,27 +106,33 @@ def squared_frequency(name, tube, x, q, shift, wave, options):
 
 
 def threshold(family, make, wave, closed_form, parameter, options, sizes, unit):
-    """Rows for the critical value of a parameter; fractions of the closed form lie on the stable side."""
+    """Rows for the critical value of a parameter;
+    fractions of the closed form lie on the stable side."""
     rows, ratios = [], []
     for n in sizes:
         value = closed_form(n)
         discrete = value * find_zero(lambda f: soft_mode(*make(n, f * value), wave)[0], 0.95, 1.05)
         side = parameter * np.array([0.05, 0.03, 0.015, -0.02])
         points = discrete * (1 + side)
-        pairs = [squared_frequency(f"{family.replace(' ', '_')}_{n}_{k}", *make(n, p), wave, options(p))
+        pairs = [squared_frequency(f"{family.replace(' ', '_')}_{n}_{k}", *make(n, p), wave,
+                                   options(p))
                  for k, p in enumerate(points)]
         measured = zero_of_parabola(points[:3], np.array([m for m, _ in pairs[:3]]))
         own = zero_of_parabola(points[:3], np.array([e for _, e in pairs[:3]]))
         ratios.append(measured / value)
     rows.append(relative(family, f"critical {unit}, chain of {n} bonds", discrete, measured,
                          2 * abs(own / discrete - 1) + 1e-5,
-                         "extrapolation to zero of squared frequencies, which have 1e-4 of round-off"))
+                         "extrapolation to zero of squared frequencies, "
+                         "which have 1e-4 of round-off"))
     growth, expected = pairs[3]
-    rows.append(relative(family, f"2 % beyond it, {n} bonds: squared frequency 1/fs^2, grows", expected, growth,
-                         1e-4, "round-off of forces: 1e-3 of the small restoring force of a node, averaged"))
+    rows.append(relative(family, f"2 % beyond it, {n} bonds: squared frequency 1/fs^2, grows",
+                         expected, growth, 1e-4,
+                         "round-off of forces: 1e-3 of the small restoring force of a node, "
+                         "averaged"))
     limit, doubt = richardson(ratios)
-    rows.append(Row(family, f"critical {unit} over the closed form, limit T = 0", 1.0, limit, abs(limit - 1),
-                    doubt + 2 * abs(own / discrete - 1), "uncertainty of both extrapolations"))
+    rows.append(Row(family, f"critical {unit} over the closed form, limit T = 0", 1.0, limit,
+                    abs(limit - 1), doubt + 2 * abs(own / discrete - 1),
+                    "uncertainty of both extrapolations"))
     rows.append(order_row(family, "order in T", [abs(r - 1) for r in ratios]))
     CURVES.setdefault("convergence", {})[family] = [(n, abs(r - 1)) for n, r in zip(sizes, ratios)]
     return rows
@@ -144,7 +152,8 @@ def find_zero(function, low, high):
 def under_tension():
     """Deflection y + i z = exp(i b s): EJ b^2 - M b + N = 0 for the one wave b = 2 pi/L that fits.
 
-    With M = G Jp 2 pi turns/L: N = (2 pi/L)^2 (turns G Jp - EJ). The least M over all b is M^2 = 4 EJ N."""
+    With M = G Jp 2 pi turns/L: N = (2 pi/L)^2 (turns G Jp - EJ).
+    The least M over all b is M^2 = 4 EJ N."""
     def tension(n):
         return (2 * math.pi / (n * T))**2 * (TURNS * TUBE.GJp - EJ)
     return threshold("twist under tension", straight, 1, tension, 1, lambda p: "", (20, 40, 80),

@@ -1,4 +1,5 @@
-"""Free vibration: frequencies of bending, stretching and twisting, undamped, from the phase of one mode."""
+"""Free vibration: frequencies of bending, stretching and twisting, undamped,
+from the phase of one mode."""
 import glob
 import math
 
@@ -17,13 +18,15 @@ T, DT = TUBE.T, 20.0
 def frequency(name, start, groups, options, project, guess, periods=3):
     """Frequency of the oscillation that starts with `start` at rest, freed of Verlet's own shift.
 
-    Verlet moves x(k) = cos(k a), v(k) = -sin(a)/dt sin(k a) with sin(a/2) = omega dt/2 for any linear mode.
-    `project` gives the mode's coordinate and its velocity; the phase grows by a in each step."""
+    Verlet moves x(k) = cos(k a), v(k) = -sin(a)/dt sin(k a) with sin(a/2) = omega dt/2 for any
+    linear mode. `project` gives the mode's coordinate and its velocity; the phase grows by a in
+    each step."""
     folder = new_folder(name)
     write_state(folder / "in.h5", [start], groups)
     interval = max(1, round(2 * math.pi / guess / DT / 12))
     simulate(name, "-scene file -scene_file {dir}/in.h5 -pair none " + options + f" -ts_dt {DT} "
-             f"-snapshot_file {{dir}}/s -snapshot_interval {interval} -ts_max_steps {12 * periods * interval}")
+             f"-snapshot_file {{dir}}/s -snapshot_interval {interval} "
+             f"-ts_max_steps {12 * periods * interval}")
     seen = [states.read(file) for file in sorted(glob.glob(str(folder / "s_*.h5")))]
     steps = np.array([state.step for state in seen], float)
     q, p = np.array([project(state) for state in seen]).T
@@ -55,8 +58,8 @@ def bending_frequency(name, nodes, held, mode, groups, options, compression=0.0)
     return frequency(name, (x, in_plane(u[1::2])), groups, options, project, omega), omega
 
 
-# Roots of the continuum's frequency equation and, for n nodes, the rod's length: masses sit at the nodes,
-# so a free end lies half a segment beyond its node.
+# Roots of the continuum's frequency equation and, for n nodes, the rod's length: masses sit at the
+# nodes, so a free end lies half a segment beyond its node.
 SUPPORTS = {
     "clamped-free": ((1.875104068711961, 4.694091132974175, 7.854757438237613), lambda n: n - 0.5),
     "free-free": ((4.730040744862704, 7.853204624095838), lambda n: n),
@@ -94,11 +97,12 @@ def bending(support):
             exact = root**2 / L**2 * math.sqrt(TUBE.EJ / TUBE.rho)
             scaled.append((omega / exact, L))
             errors.append(abs(omega / exact - 1))
-        rows.append(relative("vibration", f"{support} bending {mode + 1}, 1/fs, chain of 80 bonds", chain,
-                             omega, 1e-7, LINEAR))
+        rows.append(relative("vibration", f"{support} bending {mode + 1}, 1/fs, chain of 80 bonds",
+                             chain, omega, 1e-7, LINEAR))
         limit, doubt = extrapolate(scaled, (2, 3) if support == "pinned" else (2, 4))
-        rows.append(Row("vibration", f"{support} bending {mode + 1} over the beam's, limit T = 0", 1.0,
-                        limit, abs(limit - 1), doubt, "uncertainty of the extrapolation to T = 0"))
+        rows.append(Row("vibration", f"{support} bending {mode + 1} over the beam's, limit T = 0",
+                        1.0, limit, abs(limit - 1), doubt,
+                        "uncertainty of the extrapolation to T = 0"))
         CURVES.setdefault("convergence",
                           {})[f"{support} {mode + 1}"] = list(zip((10, 20, 40, 80), errors))
     return rows
@@ -107,9 +111,9 @@ def bending(support):
 def extrapolate(scaled, powers):
     """Limit and its uncertainty for errors that begin with these powers of 1/L.
 
-    Two fits through three lengths each; the next power, 4 or more, makes them differ by at least 15 times
-    the error of the last, of which half is left as a margin. The third power at pinned ends: the
-    segment at the hinge has all of its inertia where the beam has half of it."""
+    Two fits through three lengths each; the next power, 4 or more, makes them differ by at least
+    15 times the error of the last, of which half is left as a margin. The third power at pinned
+    ends: the segment at the hinge has all of its inertia where the beam has half of it."""
     value, L = np.array(scaled).T
     fits = [np.linalg.solve(np.column_stack([np.ones(3), *(L[k:k + 3] ** -p for p in powers)]),
                             value[k:k + 3])[0] for k in (0, 1)]
@@ -136,13 +140,14 @@ def stretching():
                                                    shape @ s["angular_velocity"][:, 0]))
             omega = frequency(f"{kind}_{n}", start, None, "", project, chain)
             limits.append(omega / (math.pi * speed / (n * T)))
-        rows.append(relative("vibration", f"free-free {kind}, 1/fs, chain of {n} segments", chain, omega,
-                             1e-7, LINEAR))
+        rows.append(relative("vibration", f"free-free {kind}, 1/fs, chain of {n} segments", chain,
+                             omega, 1e-7, LINEAR))
         limit, doubt = richardson(limits)
         rows.append(Row("vibration", f"free-free {kind} over the rod's, limit T = 0", 1.0, limit,
                         abs(limit - 1), doubt + 1e-9,
                         "uncertainty of the extrapolation to T = 0, and round-off of the phases"))
-        rows.append(order_row("vibration", f"free-free {kind}: order in T", [abs(f - 1) for f in limits]))
+        rows.append(order_row("vibration", f"free-free {kind}: order in T",
+                              [abs(f - 1) for f in limits]))
     return rows
 
 

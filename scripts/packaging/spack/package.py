@@ -6,7 +6,8 @@ from spack.package import *
 
 
 class Nanoweft(CMakePackage):
-    """Fabrics, films and yarns of nano- and microfibres by the mesoscopic distinct element method."""
+    """Fabrics, films and yarns of nano- and microfibres
+    by the mesoscopic distinct element method."""
 
     license("BSD-2-Clause")
 
@@ -39,4 +40,5 @@ class Nanoweft(CMakePackage):
     @run_after("install")
     def use_own_python(self):
         scripts = find(self.prefix.share.nanoweft, "*", recursive=True)
-        filter_file(r"^#!/usr/bin/python3$", "#!/usr/bin/env python3", *filter(os.path.isfile, scripts))
+        filter_file(r"^#!/usr/bin/python3$", "#!/usr/bin/env python3",
+                    *filter(os.path.isfile, scripts))
