@@ -46,8 +46,9 @@ def pulled(results: pathlib.Path) -> tuple[float, np.ndarray]:
             shutil.copy(rest, start)
             stretch(start, STEP * length)
         done = runs.run(["-scene", "file", "-scene_file", str(start), "-scene_file_edited",
-                         *OPTIONS, "-group_monitor", f"ascii:{results}/groups.csv", "-energy_monitor",
-                         f"ascii:{results}/stage.csv", "-state_output", str(rest)])
+                         *OPTIONS, "-group_monitor", f"ascii:{results}/groups.csv",
+                         "-energy_monitor", f"ascii:{results}/stage.csv",
+                         "-state_output", str(rest)])
         if done.returncode:
             raise problems.RunFailed(done.stderr)
         groups, energy = tables.read(results / "groups.csv"), tables.read(results / "stage.csv")
@@ -63,10 +64,11 @@ def main(results: pathlib.Path) -> None:
         print(f"| {e:.3f} | {force:.2f} | {energy - rows[0, 1]:.1f} | {steps:.0f} |")
     slope = np.diff(rows[:, 1]) / (STEP * length)
     mean = (rows[1:, 0] + rows[:-1, 0]) / 2
-    print(f"mean force of two stages over the slope of the energy, worst: {max(abs(mean / slope - 1)):.1e}")
+    print("mean force of two stages over the slope of the energy, "
+          f"worst: {max(abs(mean / slope - 1)):.1e}")
     curve.draw(str(results / "force.png"), ("strain", "force on an end, eV/A"),
-               [curve.Curve("at rest", ((strain[1:] + strain[:-1]) / 2, slope), (strain, rows[:, 0]),
-                            "slope of the energy")])
+               [curve.Curve("at rest", ((strain[1:] + strain[:-1]) / 2, slope),
+                            (strain, rows[:, 0]), "slope of the energy")])
 
 
 main(pathlib.Path(sys.argv[1]))

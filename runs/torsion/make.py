@@ -12,4 +12,5 @@ from nanoweft.generators import hexagon, straight  # noqa: E402
 # Positions of the tubes' axes, about the x axis, at the distance at which two tubes rest.
 places = np.asarray(hexagon(17.07, 1))
 fibres = [(straight((0, y, z), 61), np.tile([1.0, 0, 0, 0], (61, 1))) for y, z in places]
-states.write(sys.argv[1], states.of_fibres(fibres, (-100, -100, -100), (1000, 100, 100), (0, 0, 0), False))
+states.write(sys.argv[1], states.of_fibres(fibres, (-100, -100, -100), (1000, 100, 100),
+                                           (0, 0, 0), False))
