@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""Multiple time steps (-ts_inner) against one: limits by linear theory and by runs, errors, rest, cost.
+"""Multiple time steps (-ts_inner) against one:
+limits by linear theory and by runs, errors, rest, cost.
 
 multiple_time_steps.md tells what came out. More than one inner step needs the prototype.
 
-    tests/bench/multiple_time_steps.py theory | limits | errors | tension | rest | cost  (after a build)
+    tests/bench/multiple_time_steps.py theory | limits | errors | tension | rest | cost
+    (after a build)
 """
 
 import itertools
@@ -65,12 +67,14 @@ def straight(file):
 # Errors after a fixed time
 
 def errors(folder):
-    print("| scene | inner | step, fs | position, A | elastic energy | energy balance |\n|---|---|---|---|---|---|")
+    print("| scene | inner | step, fs | position, A | elastic energy | energy balance |\n"
+          "|---|---|---|---|---|---|")
     for name, (options, time) in SCENES.items():
         def at(dt, inner):
             every = max(1, round(600 / dt)) if dt < 5 else 1
             status, _, table, position = run(folder, options, dt, inner,
-                                             f"-ts_max_steps {round(time / dt)} -monitor_interval {every}")
+                                             f"-ts_max_steps {round(time / dt)} "
+                                            f"-monitor_interval {every}")
             if status:
                 return None
             common = np.abs((table["time_fs"] + 1) % 600 - 1) < 1e-6
@@ -78,8 +82,8 @@ def errors(folder):
         exact = at(FINEST, 1)
         scale = exact[1][0] if "weave" in name else exact[3].motion.max()
         other = at(FINEST, 2)
-        print(f"<!-- {name}: the two integrators at {FINEST} fs differ by {rms(other[0] - exact[0]):.2g} A; "
-              f"scale of energies {scale:.5g} eV -->")
+        print(f"<!-- {name}: the two integrators at {FINEST} fs differ by "
+              f"{rms(other[0] - exact[0]):.2g} A; scale of energies {scale:.5g} eV -->")
         for inner, dt in itertools.product(INNER, (10, 15, 20, 25, 30, 40)):
             found = at(dt, inner)
             if found is None:
@@ -93,8 +97,8 @@ def errors(folder):
 # Stress in tension, damped
 
 def tension(folder):
-    options = (f"-weave_fibres 6,6 -weave_segments 90 -pair_points 3 {LOCAL} -tension_rate 2e-6 -tension_ramp 3000 "
-               "-tension_max_strain 0.05 -stress_monitor ascii:{bundle}.csv")
+    options = (f"-weave_fibres 6,6 -weave_segments 90 -pair_points 3 {LOCAL} -tension_rate 2e-6 "
+               "-tension_ramp 3000 -tension_max_strain 0.05 -stress_monitor ascii:{bundle}.csv")
     print("| inner | step, fs | stress | energy balance |\n|---|---|---|---|")
 
     def at(dt, inner):
@@ -123,7 +127,8 @@ def limits(folder):
         def stable(dt):
             status, text, table, _ = run(folder, SCENES[name][0], dt, inner,
                                          f"-ts_max_steps {steps}")
-            said.extend(line.split("below ")[1].split()[0] for line in text.splitlines() if "below" in line)
+            said.extend(line.split("below ")[1].split()[0] for line in text.splitlines()
+                        if "below" in line)
             return status == 0 and np.isfinite(table["total"]).all()
         said, low, high = [], 15.0, 80.0
         while high - low > 0.5:
@@ -135,13 +140,15 @@ def limits(folder):
 # The state at rest
 
 def rest(folder):
-    """An undisturbed, so symmetric weave, damped until nothing moves. Forces balance at every step in Verlet, only
-    on average over an outer step in multiple steps."""
+    """An undisturbed, so symmetric weave, damped until nothing moves. Forces balance at every step
+    in Verlet, only on average over an outer step in multiple steps."""
     symmetric = WEAVE.replace("-scene_perturb 0.05", "")
-    print("| inner | step, fs | stretch, eV | shear, eV | bending, eV | pair, eV | kinetic, eV | position, A |")
+    print("| inner | step, fs | stretch, eV | shear, eV | bending, eV | pair, eV | kinetic, eV "
+          "| position, A |")
     print("|---|---|---|---|---|---|---|---|")
     exact = None
-    for inner, dt in [(1, 10), (1, 20), (1, 25), (2, 5), (2, 10), (2, 20), (2, 30), (3, 20), (3, 30)]:
+    for inner, dt in [(1, 10), (1, 20), (1, 25), (2, 5), (2, 10), (2, 20), (2, 30), (3, 20),
+                      (3, 30)]:
         status, _, table, position = run(folder, f"{symmetric} {LOCAL}", dt, inner,
                                          f"-ts_max_steps {round(30000 / dt)}")
         if status:
@@ -170,7 +177,8 @@ def cost(folder):
             seconds[k].append(1 / float(speed.split()[1]))
         for k, found in seconds.items():
             ratio = np.array(found) / np.array(seconds[1])
-            print(f"| {name} | {k} | {np.median(ratio):.3f} ({ratio.min():.2f} to {ratio.max():.2f}) |", flush=True)
+            print(f"| {name} | {k} | {np.median(ratio):.3f} "
+                  f"({ratio.min():.2f} to {ratio.max():.2f}) |", flush=True)
 
 
 # Linear theory
@@ -186,7 +194,8 @@ CONTACT = 6 * 400 / 3  # eV/A^2: six neighbours, 2k/n each
 
 
 def chain_matrix(q):
-    """Mass-weighted stiffness of deflection and rotation of a straight chain at phase q a segment."""
+    """Mass-weighted stiffness of deflection and rotation
+    of a straight chain at phase q a segment."""
     bend = B2 / 4 + B3 + B4 / 2
     ww = 2 * B2 / T**2 * (1 - np.cos(q)) / mass
     tt = (B2 / 4 * (2 + 2 * np.cos(q)) + bend * (2 - 2 * np.cos(q))) / inertia
@@ -215,15 +224,17 @@ def theory(_):
     phases = np.linspace(0.01, np.pi, 60)
     chains = [chain_matrix(q) for q in phases]
     highest = np.sqrt(max(np.linalg.eigvalsh(a)[-1] for a in chains))
-    print(f"highest frequency of a free chain {highest:.5f} /fs, limit {2 / highest:.2f} fs; of the contacts alone "
-          f"{2 * np.sqrt(mass / CONTACT):.2f} fs")
+    print(f"highest frequency of a free chain {highest:.5f} /fs, limit {2 / highest:.2f} fs; "
+          f"of the contacts alone {2 * np.sqrt(mass / CONTACT):.2f} fs")
     steps = np.arange(20, 100, 0.1)
     inner_steps = (1, 2, 3, 4, 32)
-    print("| contacts | " + " | ".join(f"k = {k}" for k in inner_steps) + " |\n" + "|---" * (len(inner_steps) + 1) + "|")
+    print("| contacts | " + " | ".join(f"k = {k}" for k in inner_steps) + " |\n"
+          + "|---" * (len(inner_steps) + 1) + "|")
     for part in (0.001, 0.05, 0.1, 0.25, 0.5, 1):
         first = []
         for k in inner_steps:
-            bad = (H for H in steps if max(growth(a, contact_matrix(part), H, k) for a in chains) > 1 + 1e-6)
+            bad = (H for H in steps
+                   if max(growth(a, contact_matrix(part), H, k) for a in chains) > 1 + 1e-6)
             first.append(next(bad, np.inf))
         print(f"| {part} | " + " | ".join(f"{x:.1f}" for x in first) + " |", flush=True)
     print("\nOne wave whose bonds and contacts have one eigenvector, exact inner motion:")

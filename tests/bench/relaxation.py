@@ -11,7 +11,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 from nanoweft import states, tables  # noqa: E402
 
-NEAR = 22.0  # A: two centres of tubes that touch (17.1 A) lie at most half a segment apart along them
+# A: two centres of tubes that touch (17.1 A) lie at most half a segment apart along them
+NEAR = 22.0
 
 
 def print_energies(file):
@@ -21,7 +22,8 @@ def print_energies(file):
     for k, step in enumerate(table["step"]):
         if int(step) in marks or k == len(table) - 1:
             elastic, pair = table.elastic[k], table["pair"][k]
-            print(f"  {int(step)}, {elastic:.1f}, {pair:.1f}, {elastic + pair:.1f}, {table.motion[k]:.3g}")
+            print(f"  {int(step)}, {elastic:.1f}, {pair:.1f}, {elastic + pair:.1f}, "
+                  f"{table.motion[k]:.3g}")
     for part in (0.3, 0.1, 0.05, 0.03):
         below = np.flatnonzero(table.elastic <= part * table.elastic[0])
         step = int(table["step"][below[0]]) if len(below) else None
@@ -47,4 +49,5 @@ def neighbours(file):
 print_energies(sys.argv[1])
 for state in sys.argv[2:]:
     mean, bundled = neighbours(state)
-    print(f"  {state}: {mean:.2f} fibres beside a segment, {100 * bundled:.0f} % of segments beside 3 or more")
+    print(f"  {state}: {mean:.2f} fibres beside a segment, "
+          f"{100 * bundled:.0f} % of segments beside 3 or more")

@@ -15,7 +15,8 @@ class Breaks(FolderTest):
 
     def write(self, name, step, broken=(), axis=0, stretch=1.0, held=True, tubes=TUBES):
         x = SPACING * np.arange(COUNT)
-        fibres = [np.roll(np.stack([stretch * x, np.full(COUNT, 100.0 * k), 0 * x], axis=1), axis, axis=1)
+        fibres = [np.roll(np.stack([stretch * x, np.full(COUNT, 100.0 * k), 0 * x], axis=1), axis,
+                          axis=1)
                   for k in range(tubes)]
         group = np.where(x <= 50, LEFT, np.where(x >= 350, RIGHT, 0)) * held
         torn = np.zeros((tubes, COUNT), np.int8)
@@ -37,7 +38,8 @@ class Breaks(FolderTest):
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             lines = done.stdout.splitlines()
             self.assertIn(f"along {'xy'[axis]}, gage 300, width 400", lines[0])
-            # Bonds from x = 190, 70 and 380 on, so their middles are at 195, 75 and, in the grip, 385.
+            # Bonds from x = 190, 70 and 380 on, so their middles are at 195, 75
+            # and, in the grip, 385.
             self.assertEqual([line.split(maxsplit=5) for line in lines[2:5]],
                              [["0", "19", "both", f"{145 / 300:.3f}", "0.000", "0 fs to 10 ps"],
                               ["2", "38", "both", f"{335 / 300:.3f}", "0.500", "10 ps to 20 ps"],

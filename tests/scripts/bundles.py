@@ -53,7 +53,8 @@ class Bundles(FolderTest):
         share = [float(text) for text in re.search("segments, % +(.*)", done.stdout)[1].split()]
         self.assertAlmostEqual(sum(share), 100, delta=0.05)
         mean, largest, neighbours = map(float, re.search(
-            r"bundle ([\d.]+), largest (\d+); mean number of neighbours ([\d.]+)", done.stdout).groups())
+            r"bundle ([\d.]+), largest (\d+); mean number of neighbours ([\d.]+)",
+            done.stdout).groups())
         edges = {line.split()[0]: [int(text) for text in line.split()[1:]]
                  for line in done.stdout.splitlines()[-4:]}
         return share, mean, largest, neighbours, edges
@@ -118,7 +119,8 @@ class Bundles(FolderTest):
         row = [(0, k) for k in range(6)]
         more = {"count": 60}
         fibres = (bundle(row[:3], (0.0, 0.0), **more) + bundle(row[:4], (side, 0.0), **more)
-                  + turned(bundle(row[:5], (0.0, 0.0), **more)) + turned(bundle(row, (side, 0.0), **more)))
+                  + turned(bundle(row[:5], (0.0, 0.0), **more))
+                  + turned(bundle(row, (side, 0.0), **more)))
         # One that came off alone is not the edge, and one in the middle is no part of it.
         fibres += bundle([(0, 0)], (-300.0, 0.0), **more) + bundle(row, (side / 2, 0.0), **more)
         expected = {"bottom": [3] * 4, "top": [4] * 4, "left": [5] * 4, "right": [6] * 4}
@@ -151,7 +153,8 @@ class Bundles(FolderTest):
             fibres_beside = [len(set(state["fibre"][row])) for row in expected]
             np.testing.assert_array_equal(fabric.neighbours, fibres_beside)
             np.testing.assert_array_equal(fabric.sizes(np.arange(720)),
-                                          [self.size_by_force(fabric, expected, state, side, k) for k in range(720)])
+                                          [self.size_by_force(fabric, expected, state, side, k)
+                                           for k in range(720)])
 
     def size_by_force(self, fabric, contact, state, side, seed):
         apart = fabric.position - fabric.position[seed]
@@ -161,7 +164,8 @@ class Bundles(FolderTest):
         found, front = {seed}, [seed]
         while front:
             row = front.pop()
-            beside = [k for k in (row - 1, row + 1) if 0 <= k < 720 and state["fibre"][k] == state["fibre"][row]]
+            beside = [k for k in (row - 1, row + 1)
+                      if 0 <= k < 720 and state["fibre"][k] == state["fibre"][row]]
             for k in [*beside, *np.flatnonzero(contact[row])]:
                 if inside[k] and k not in found:
                     found.add(k)

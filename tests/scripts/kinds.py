@@ -154,7 +154,8 @@ class Kinds(FolderTest):
                 ("twice", "kinds is 'cnt,cnt', not names"),
                 ("real", "kind holds no whole numbers"),
                 ("short", "kind does not match the 112 segments"),
-                ("fibre", "fibre of /run does not hold 8 numbers, first a radius above 0, for each")):
+                ("fibre",
+                 "fibre of /run does not hold 8 numbers, first a radius above 0, for each")):
             self.expect_refusal(f"{name}.h5: {text}", "export", f"{name}.h5", "-o", "out.xyz")
         for name, text in (("range", "segment 105 is of kind 2"),
                            ("fibre", "fibre of /run does not hold")):

@@ -114,8 +114,9 @@ class Plot(FolderTest):
         self.draw("stress", "plain.csv", "virial.csv")
 
     def test_tables_of_the_program(self):
-        done = self.run_program(nanoweft, *"-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 60"
-                                " -monitor_interval 5 -energy_monitor ascii:energy.csv -tension_rate 1e-6"
+        done = self.run_program(nanoweft, *"-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4"
+                                " -ts_max_steps 60 -monitor_interval 5"
+                                " -energy_monitor ascii:energy.csv -tension_rate 1e-6"
                                 " -stress_monitor ascii:stress.csv -progress_interval 0".split())
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         for kind, name in (("energy", "energy.csv"), ("convergence", "energy.csv"),
@@ -125,9 +126,11 @@ class Plot(FolderTest):
     def test_refusals(self):
         write_table(self.path("stress.csv"), stresses())
         with open(self.path("short.csv"), "w") as file:
-            file.write("step,time_fs,strain,stress_left_GPa,stress_right_GPa,broken_bonds\n0,0,0,0,0,0\n")
+            file.write("step,time_fs,strain,stress_left_GPa,stress_right_GPa,broken_bonds\n"
+                       "0,0,0,0,0,0\n")
         with open(self.path("words.csv"), "w") as file:
-            file.write("step,time_fs,strain,stress_left_GPa,stress_right_GPa,broken_bonds\n" + "a,b,c,d,e,f\n" * 3)
+            file.write("step,time_fs,strain,stress_left_GPa,stress_right_GPa,broken_bonds\n"
+                       + "a,b,c,d,e,f\n" * 3)
         with open(self.path("empty.csv"), "w"):
             pass
         with open(self.path("binary.csv"), "wb") as file:

@@ -81,14 +81,16 @@ class Render(FolderTest):
                 area = coloured(picture)
                 area[:, -95:] = False  # the legend
                 rows, columns = np.nonzero(area)
-                centre = picture[rows.min() // 2 + rows.max() // 2, columns.min() // 2 + columns.max() // 2]
+                centre = picture[rows.min() // 2 + rows.max() // 2,
+                                 columns.min() // 2 + columns.max() // 2]
                 self.assertTrue(upper(centre), (size, zoom, centre))
 
     def test_colours_follow_any_dataset(self):
         fibres = [straight((0, 60 * k, 0), (1, 0, 0), 10) for k in range(2)]
         load = np.repeat([[0.0, 0.0, 0.0], [3.0, 0.0, -4.0]], 10, axis=0)
         write_state(self.path("in.h5"), fibres, velocity=load,
-                    field={"load": np.linalg.norm(load, axis=1), "signed": np.repeat([-2.0, 1.0], 10),
+                    field={"load": np.linalg.norm(load, axis=1),
+                           "signed": np.repeat([-2.0, 1.0], 10),
                            "hole": np.repeat([np.nan, 1.0], 10), "short": np.zeros(3),
                            "tensor": np.zeros((20, 3, 3)), "nothing": np.full(20, np.nan)})
 
@@ -121,12 +123,14 @@ class Render(FolderTest):
         write_state(self.path("in.h5"), fibres, bond_broken=broken)
         write_state(self.path("whole.h5"), fibres)
         # Seen whole, a tube is thinner than a pixel; the marks are not.
-        marked = reddish(self.draw("in.h5", "--size", "1000x300", "--color", "broken")[40:260, :800])
+        marked = reddish(self.draw("in.h5", "--size", "1000x300",
+                                   "--color", "broken")[40:260, :800])
         columns = np.flatnonzero(marked.any(axis=0))
         self.assertEqual(np.count_nonzero(np.diff(columns) > 1), 1)  # two places
         self.assertGreaterEqual(len(columns), 8)
         self.assertGreaterEqual(marked.sum(axis=0).max(), 4)
-        whole = reddish(self.draw("whole.h5", "--size", "1000x300", "--color", "broken")[40:260, :800])
+        whole = reddish(self.draw("whole.h5", "--size", "1000x300",
+                                  "--color", "broken")[40:260, :800])
         self.assertEqual(whole.sum(), 0)
         plain = self.draw("in.h5", "--size", "1000x300", "--color", "height")
         breaks = self.draw("in.h5", "--size", "1000x300", "--color", "height", "--breaks")
@@ -173,7 +177,8 @@ class Render(FolderTest):
                 if broken:
                     file["link/broken"] = np.array(broken, np.int8)
             picture = self.draw("in.h5", "--size", "300x250")[:, :220]  # without the legend
-            return (picture[..., 0] > picture[..., 1] + 90) & (picture[..., 2] > picture[..., 1] + 60)
+            return ((picture[..., 0] > picture[..., 1] + 90)
+                    & (picture[..., 2] > picture[..., 1] + 60))
 
         inside, across = [[0, 4], [1, 4]], [[0, 14], [2, 14]]
         one = link_pixels([inside])
@@ -200,7 +205,8 @@ class Render(FolderTest):
             solid[130:170] = False
             for axis, extent in (0, wide), (1, high):
                 found = np.flatnonzero(solid.any(axis=axis))
-                self.assertAlmostEqual(found[-1] - found[0], extent * scale, delta=0.06 * extent * scale)
+                self.assertAlmostEqual(found[-1] - found[0], extent * scale,
+                                       delta=0.06 * extent * scale)
         # The ball hides the fibre, which lies upon the rod.
         self.assertFalse(coloured(ball)[140:160, 260:340].any())
         self.assertTrue(coloured(rod)[140:160, 260:340].any())

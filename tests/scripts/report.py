@@ -1,6 +1,7 @@
 """Tests of scripts/report: python3 report.py NANOWEFT SCRIPTS
 
-The page is opened in Chromium where that is installed (Debian: chromium); without it those tests are skipped."""
+The page is opened in Chromium where that is installed (Debian: chromium);
+without it those tests are skipped."""
 import json
 import os
 import re
@@ -17,12 +18,14 @@ from support import FolderTest, write_state
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 FLAGS = ("--headless --no-sandbox --disable-gpu --use-angle=swiftshader --enable-unsafe-swiftshader"
          " --disable-quic --no-first-run --disable-background-networking --disable-component-update"
-         " --disable-sync --hide-scrollbars --virtual-time-budget=4000 --window-size=1200,900").split()
+         " --disable-sync --hide-scrollbars --virtual-time-budget=4000"
+         " --window-size=1200,900").split()
 VIEW = (slice(240, 640),
         slice(60, 740))  # rows and columns of the 3-D view without what is written on it
-RUN = ("-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -tension_rate 2e-5 -tension_ramp 2000"
-       " -tension_grip 40 -tension_max_strain 0.45 -break_strain_mean 0.12 -break_strain_std 0.03 -ts_dt 15"
-       " -snapshot_interval 250 -monitor_interval 20 -energy_monitor ascii:energy.csv"
+RUN = ("-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -tension_rate 2e-5"
+       " -tension_ramp 2000 -tension_grip 40 -tension_max_strain 0.45 -break_strain_mean 0.12"
+       " -break_strain_std 0.03 -ts_dt 15 -snapshot_interval 250 -monitor_interval 20"
+       " -energy_monitor ascii:energy.csv"
        " -stress_monitor ascii:stress.csv")
 
 
@@ -56,8 +59,9 @@ class Report(FolderTest):
         shot = self.path("shot.png")
         with tempfile.TemporaryDirectory(prefix="nanoweft-chromium-") as profile:
             done = subprocess.run(
-                [CHROMIUM, *FLAGS, f"--user-data-dir={profile}", "--dump-dom", f"--screenshot={shot}",
-                 f"file://{name}#{fragment}"], capture_output=True, text=True, cwd=self.folder)
+                [CHROMIUM, *FLAGS, f"--user-data-dir={profile}", "--dump-dom",
+                 f"--screenshot={shot}", f"file://{name}#{fragment}"],
+                capture_output=True, text=True, cwd=self.folder)
         html = re.search(r"<html[^>]*>", done.stdout)
         self.assertIsNotNone(html, done.stderr[-2000:])
         self.assertNotIn("data-error", html[0])
@@ -74,8 +78,8 @@ class Report(FolderTest):
         self.assertGreater(len(series["frames"][-1]["torn"]), 0)
         self.assertEqual(series["frames"][0]["torn"], [])
         self.assertEqual({field["name"] for field in series["fields"]},
-                         {"strain", "stretch_energy", "shear_energy", "bending_energy", "torsion_energy",
-                          "pair_energy", "velocity"})
+                         {"strain", "stretch_energy", "shear_energy", "bending_energy",
+                          "torsion_energy", "pair_energy", "velocity"})
         self.assertEqual(series["curve"]["titles"][:3],
                          ["stress over strain", "strain, %", "stress, GPa"])
         last = len(series["frames"]) - 1
@@ -90,7 +94,8 @@ class Report(FolderTest):
             # The ground is nearly grey; the fibres are not.
             self.assertGreater((np.ptp(picture[VIEW], axis=2) > 40).sum(), 3000)
         self.assertGreater((np.abs(first - second)[VIEW].max(axis=2) > 40).sum(), 3000)
-        marks = [float(re.search(r'id="mark"[^>]*cx="([\d.]+)"', dom)[1]) for dom in (first_dom, last_dom)]
+        marks = [float(re.search(r'id="mark"[^>]*cx="([\d.]+)"', dom)[1])
+                 for dom in (first_dom, last_dom)]
         self.assertGreater(marks[1], marks[0] + 100)
 
     def test_colours_and_dark(self):
@@ -115,8 +120,8 @@ class Report(FolderTest):
     def test_a_folder_of_pictures_and_tables_alone(self):
         Image.new("RGB", (40, 30), "#123456").save(self.path("seen.png"))
         with open(self.path("stress.csv"), "w") as file:
-            file.write("# nanoweft 1.0\n# -pair none\n# -seed 3\nstep,time_fs,strain,stress_left_GPa,stress_right_GPa,"
-                       "broken_bonds\n")
+            file.write("# nanoweft 1.0\n# -pair none\n# -seed 3\n"
+                       "step,time_fs,strain,stress_left_GPa,stress_right_GPa,broken_bonds\n")
             file.writelines(f"{k},{20 * k},{0.01 * k},{k},{k},0\n" for k in range(20))
         name, page = self.make()
         self.assertIn("data:image/png;base64", page)

@@ -18,7 +18,8 @@ class Shares(FolderTest):
         self.write(x)
         options = ("-scene file -scene_file in.h5 -kinds soft,stiff -soft_fibre_young 500 "
                    "-stiff_fibre_young 1500 -pair none -damping_local 0.5 -tension_rate 2e-6 "
-                   "-tension_grip 20 -tension_width 100 -tension_thickness 17 -tension_max_strain 0.01 -snapshot_interval 125 "
+                   "-tension_grip 20 -tension_width 100 -tension_thickness 17 "
+                   "-tension_max_strain 0.01 -snapshot_interval 125 "
                    "-monitor_interval 125 -stress_monitor ascii:stress.csv " + " ".join(more))
         return self.simulate(nanoweft, options)
 
@@ -62,7 +63,8 @@ class Shares(FolderTest):
 
     def test_what_is_no_tension_test_is_refused_in_one_line(self):
         write_state(self.path("still.h5"), [np.eye(3)])
-        for file, text in ("still.h5", "not a snapshot of a tension test"), ("none.h5", "no such file"):
+        for file, text in (("still.h5", "not a snapshot of a tension test"),
+                           ("none.h5", "no such file")):
             done = self.shares(file)
             self.assertNotEqual(done.returncode, 0)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)

@@ -37,7 +37,8 @@ class FolderTest(unittest.TestCase):
 
 def tracked(root: pathlib.Path, *patterns: str) -> list[pathlib.Path]:
     """The files that git keeps; ends as skipped (CTest's 77) where there is no repository."""
-    done = subprocess.run(["git", "-c", f"safe.directory={root}", "ls-files", "-z", "--", *patterns],
+    done = subprocess.run(["git", "-c", f"safe.directory={root}", "ls-files", "-z", "--",
+                           *patterns],
                           cwd=root, capture_output=True, text=True)
     if done.returncode:
         print(f"skipped: {done.stderr.strip()}")

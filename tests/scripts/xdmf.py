@@ -64,7 +64,8 @@ class Xdmf(FolderTest):
                 self.assertEqual(lines(data), bonds(state))
                 points = data.GetPointData()
                 seen = {"velocity", "fibre", "group", "bond_broken"} | set(field)
-                self.assertEqual({points.GetArrayName(k) for k in range(points.GetNumberOfArrays())}, seen)
+                self.assertEqual({points.GetArrayName(k)
+                                  for k in range(points.GetNumberOfArrays())}, seen)
                 for key in seen:
                     np.testing.assert_array_equal(vtk_to_numpy(points.GetArray(key)),
                                                   (state | field)[key])

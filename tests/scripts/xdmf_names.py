@@ -15,8 +15,9 @@ class XdmfNames(FolderTest):
         for name in NAMES:
             with self.subTest(name=name):
                 done = self.run_program(
-                    sys.argv[1], *"-weave_fibres 2,2 -weave_segments 12 -damping_local 0.3 -ts_max_steps 4".split(),
-                    "-snapshot_interval", "2", "-progress_interval", "0", "-snapshot_file", f"./{name}")
+                    sys.argv[1], *"-weave_fibres 2,2 -weave_segments 12 -damping_local 0.3"
+                    " -ts_max_steps 4".split(), "-snapshot_interval", "2",
+                    "-progress_interval", "0", "-snapshot_file", f"./{name}")
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                 index = ElementTree.parse(self.path(name + ".xdmf"))
                 self.assertEqual(len(index.findall(".//Time")), 3)
