@@ -20,12 +20,14 @@ from .units import time_text
 Array = NDArray[Any]
 Path = str | os.PathLike[str]
 
-# Columns of the rows that readers here know, and what they are where a file has none (None: it must have them).
+# Columns of the rows that readers here know, and what they are where a file has none
+# (None: it must have them).
 ROWS: dict[str, tuple[int, float | None]] = {
     "position": (3, None), "orientation": (4, None), "fibre": (1, None), "index": (1, None),
     "image": (3, 0), "group": (1, 0), "bond_broken": (1, 0), "kind": (1, 0)}
 PLACES = ("state", "field", "mesh")
-LEFT_GRIP, RIGHT_GRIP = 1 << 28, 1 << 29  # bits of the group masks: held by a grip of the tension test
+# Bits of the group masks: held by a grip of the tension test.
+LEFT_GRIP, RIGHT_GRIP = 1 << 28, 1 << 29
 BLOCK = 16384  # rows at a time; also the chunk of the datasets
 
 
@@ -49,7 +51,8 @@ class State:
     units: str = "nano"
     closed: Array = field(default_factory=no_ids)  # ids of the fibres that are rings
     attributes: dict[str, Any] = field(default_factory=dict)
-    run: dict[str, Any] = field(default_factory=dict)  # attributes of /run: by which run it was written
+    # Attributes of /run: by which run it was written.
+    run: dict[str, Any] = field(default_factory=dict)
     kinds: Kinds = Kinds()
     values: Array | None = None  # a number for each segment, where one was asked for
     links: Array = field(default_factory=no_links)  # [L,2]: rows of both ends of each whole link
@@ -73,7 +76,8 @@ class State:
     @property
     def whole(self) -> Array:
         """Positions with periodic images undone."""
-        return np.asarray(self["position"] + self["image"] * self.box if "image" in self else self["position"])
+        return np.asarray(self["position"] + self["image"] * self.box if "image" in self else
+                          self["position"])
 
     @property
     def time_text(self) -> str:
@@ -133,12 +137,14 @@ class StateFile:
         if self.attributes.get("format") != "nanoweft-state":
             raise Unusable(f"{self.name}: not a nanoweft state file")
         if np.any(self.attributes.get("version") != 1):
-            raise Unusable(f"{self.name}: version {self.attributes.get('version')} of the format; this reads 1")
+            raise Unusable(f"{self.name}: version {self.attributes.get('version')} of the format; "
+                           "this reads 1")
         missing = [key for key in ("lower", "upper") if key not in self.attributes]
         if missing:
             raise Unusable(f"{self.name}: no {missing[0]} in it")
         try:
-            self.step, self.time = int(self.attributes.get("step", 0)), float(self.attributes.get("time", 0))
+            self.step, self.time = (int(self.attributes.get("step", 0)),
+                                    float(self.attributes.get("time", 0)))
             self.units = str(self.attributes.get("units", "nano"))
             self.lower, self.upper = (np.array(self.attributes[key], float).reshape(3)
                                       for key in ("lower", "upper"))
@@ -176,7 +182,8 @@ class StateFile:
         try:
             return self.rows(name, begin, end)
         except OSError:
-            raise Unusable(f"{self.name}: damaged (segments {begin} to {end - 1} cannot be read)") from None
+            raise Unusable(f"{self.name}: damaged "
+                           f"(segments {begin} to {end - 1} cannot be read)") from None
 
     def rows(self, name: str, begin: int = 0, end: int | None = None) -> Array:
         """Some rows of a dataset that the file has."""
@@ -192,7 +199,8 @@ class StateFile:
                 and name != "fibre_closed"]
 
     def read(self, names: Iterable[str] | None = None, values: str | None = None) -> State:
-        """The state with these datasets (None: all), and a number for each segment from the dataset `values`."""
+        """The state with these datasets (None: all),
+        and a number for each segment from the dataset `values`."""
         there = self.names()
         try:
             rows = {name: self.rows(name) for name in there if names is None or name in names}
@@ -232,7 +240,8 @@ class StateFile:
 
     def drawable(self) -> dict[str, h5py.Dataset]:
         """Datasets with a number or a vector for each segment."""
-        groups = [self.file[place] for place in PLACES if isinstance(self.file.get(place), h5py.Group)]
+        groups = [self.file[place] for place in PLACES
+                  if isinstance(self.file.get(place), h5py.Group)]
         found: dict[str, h5py.Dataset] = {}
         for group in groups:
             for name, data in group.items():
@@ -247,7 +256,8 @@ class StateFile:
         if name not in there:
             if any(name in self.file.get(place, ()) for place in PLACES):
                 raise Unusable(f"{self.name}: {name} holds no number or vector for each segment")
-            raise Unusable(f"{self.name}: no dataset {name} to colour by; there are {', '.join(sorted(there))}")
+            raise Unusable(f"{self.name}: no dataset {name} to colour by; "
+                           f"there are {', '.join(sorted(there))}")
         try:
             values = there[name][()].astype(float)
         except (OSError, RuntimeError):
@@ -275,7 +285,8 @@ def of_fibres(fibres: Sequence[Fibre], lower: ArrayLike, upper: ArrayLike,
               periodic: ArrayLike = (0, 0, 0), closed: bool = False) -> State:
     """A state of whole fibres, numbered from 0; `closed`: each of them is a ring."""
     count = [len(np.asarray(position)) for position, _ in fibres]
-    return State({"position": np.concatenate([np.asarray(position, float) for position, _ in fibres]),
+    return State({"position": np.concatenate([np.asarray(position, float)
+                                              for position, _ in fibres]),
                   "orientation": np.concatenate([np.asarray(q, float) for _, q in fibres]),
                   "fibre": np.repeat(np.arange(len(fibres)), count),
                   "index": np.concatenate([np.arange(n) for n in count])},
@@ -362,7 +373,8 @@ def find_tubes(state: State) -> Tubes:
     fibre = state["fibre"]
     first, second = find_bonds(state)
     position = state.whole
-    through = (np.abs(position[first] - position[second]) > 0.5 * state.box)[:, state.periodic].any(axis=1)
+    through = (np.abs(position[first] - position[second])
+               > 0.5 * state.box)[:, state.periodic].any(axis=1)
     broken = state["bond_broken"][first] != 0
     torn = np.zeros((2, len(fibre)), bool)
     torn[0, second[broken]] = torn[1, first[broken]] = True

@@ -107,7 +107,8 @@ def speed_over(name, pull, radius, friction):
 
 
 def capstan():
-    """A fibre over a rod rests 1 % below the closed form's ratio of tensions and slides 1 % above."""
+    """A fibre over a rod rests 1 % below the closed form's ratio of tensions
+    and slides 1 % above."""
     radius, friction = 150.0, 0.3
     # Friction acts at the rod's surface, tension at the fibre's axis.
     most = math.exp(friction * math.pi * radius / (radius + RADIUS))
@@ -126,9 +127,10 @@ def pressed(name, length=T):
     write_state(folder / "in.h5", [straight((0, 0, RADIUS), 0, 10, length)], [1] * 10)
     simulate(name, "-scene file -scene_file {dir}/in.h5 -pair none -walls floor "
              f"-floor_point 0,0,0 -floor_axis 0,0,1 -floor_modulus {MODULUS:g} "
-             f"-bc all -all_group 0 -all_force 0,0,{-press} -damping_local 0.5 -ts_dt 10 -ts_max_steps 10000 "
-             f"-fibre_segment_length {length!r} -wall_monitor ascii:{{dir}}/walls.csv "
-             "-monitor_interval 1000 -state_output {dir}/out.h5")
+             f"-bc all -all_group 0 -all_force 0,0,{-press} -damping_local 0.5 -ts_dt 10 "
+             f"-ts_max_steps 10000 -fibre_segment_length {length!r} "
+             "-wall_monitor ascii:{dir}/walls.csv -monitor_interval 1000 "
+             "-state_output {dir}/out.h5")
     depth = RADIUS - states.read(folder / "out.h5")["position"][:, 2].mean()
     return (depth / (press / (math.pi / 4 * MODULUS * GPA * length)),
             tables.read(folder / "walls.csv")["floor_force_z"][-1] / (-10 * press))

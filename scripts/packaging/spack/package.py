@@ -23,7 +23,8 @@ class Nanoweft(CMakePackage):
     depends_on("metis@5.1:")
     depends_on("openssl@3:")
     depends_on("libyaml@0.2:")
-    for package in ("python@3.11:", "py-numpy", "py-h5py", "py-matplotlib", "py-scipy", "py-pillow"):
+    for package in ("python@3.11:", "py-numpy", "py-h5py", "py-matplotlib", "py-scipy",
+                    "py-pillow"):
         depends_on(package, type="run")
 
     # g++'s vectors, OpenMP and flags are what has been tested.
