@@ -160,6 +160,7 @@ Halo::Halo(MPI_Comm comm) {
 
 Halo::~Halo() {
   PetscSFDestroy(&sf_);
+  PetscSFDestroy(&along_);
   for (MPI_Datatype& unit : units_) MPI_Type_free(&unit);
 }
 
@@ -187,6 +188,19 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
   state.addGhosts(ghosts);
   for (Broadcast* half : {PetscSFBcastBegin, PetscSFBcastEnd})
     for (const Ghosts which : {Ghosts::whenBuilt, Ghosts::everyStep}) broadcast(half, state, which);
+  if (state.extras().friction) chooseAlong(state);
+}
+
+void Halo::chooseAlong(const State& state) {
+  IndexMap wanted(2 * static_cast<std::size_t>(state.owned()));
+  for (int i = 0; i < state.owned(); ++i)
+    for (const Tie& tie : state.ties(i)) wanted.insert(tie.row, 0);
+  std::vector<PetscInt> chosen;
+  for (int k = 0; k < state.ghosts(); ++k)
+    if (wanted.at(state.row[state.owned() + k]) >= 0) chosen.push_back(k);
+  petsc(PetscSFDestroy(&along_));
+  petsc(PetscSFCreateEmbeddedLeafSF(sf_, static_cast<PetscInt>(chosen.size()), chosen.data(),
+                                    &along_));
 }
 
 void Halo::broadcast(Broadcast* half, State& state, Ghosts which) {
@@ -195,7 +209,8 @@ void Halo::broadcast(Broadcast* half, State& state, Ghosts which) {
     char* const values = fields[k].data(state);
     if (fields[k].ghosts != which || !values) continue;
     const std::size_t ownBytes = fields[k].bytes() * static_cast<std::size_t>(state.owned());
-    petsc(half(sf_, units_[k], values, values + ownBytes, MPI_REPLACE));
+    petsc(half(which == Ghosts::alongFibres ? along_ : sf_, units_[k], values, values + ownBytes,
+               MPI_REPLACE));
   }
 }
 
@@ -210,6 +225,11 @@ void Halo::refreshEnd(State& state) {
 void Halo::refreshVelocities(State& state) {
   broadcast(PetscSFBcastBegin, state, Ghosts::whenAsked);
   broadcast(PetscSFBcastEnd, state, Ghosts::whenAsked);
+}
+
+void Halo::refreshContacts(State& state) {
+  broadcast(PetscSFBcastBegin, state, Ghosts::alongFibres);
+  broadcast(PetscSFBcastEnd, state, Ghosts::alongFibres);
 }
 
 }  // namespace nanoweft

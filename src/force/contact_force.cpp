@@ -123,15 +123,16 @@ class ContactSum {
     const ContactPatch patch = law_.patch(r, ei, axis1(state.orientation(j)), ends(i), ends(j));
     if (!(patch.load > 0)) return;
     // Both segments of a contact hold its spring, where they are this thread's.
-    double* const atI = job_.mine(i) ? history.find(state, i, state.row[j]) : nullptr;
-    double* const atJ = job_.mine(j) ? history.find(state, j, state.row[i]) : nullptr;
-    double* const spring = atI ? atI : atJ;
+    ContactHistory::Spring atI{}, atJ{};
+    if (job_.mine(i)) atI = history.find(state, i, state.row[j]);
+    if (job_.mine(j)) atJ = history.find(state, j, state.row[i]);
+    const auto& [spring, fresh] = atI.at ? atI : atJ;
     if (!spring) return;
     const auto action = laws_.friction.act(patch, r, ei, laws_.radius.i,
                                            {triple(job_.velocity, i), triple(job_.velocity, j),
                                             triple(job_.angular, i), triple(job_.angular, j)},
-                                           advance, spring);
-    if (atI && atJ) std::copy_n(atI, 3, atJ);
+                                           fresh ? 0.0 : advance, spring);
+    if (atI.at && atJ.at) std::copy_n(atI.at, 3, atJ.at);
     auto add = [&](std::int32_t k, double sign, const Vec3d& torque) {
       if (!job_.mine(k)) return;
       const double force[3] = {action.forceI.x, action.forceI.y, action.forceI.z},

@@ -54,11 +54,11 @@ ForceField::ForceField(Settings settings, const Box& box)
           {settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin, settings_.threads},
           box),
       links_(settings_.links, settings_.kinds),
-      walls_(settings_.walls, settings_.kinds),
       rebuildEvent_(logEvent("NwRebuild")),
       bondEvent_(logEvent("NwBonds")),
       pairEvent_(logEvent("NwPairs")),
-      haloEvent_(logEvent("NwHalo")) {}
+      haloEvent_(logEvent("NwHalo")),
+      walls_(settings_.walls, settings_.kinds) {}
 
 void ForceField::rebuild(State& state, Domain& domain) {
   const LogScope log(rebuildEvent_);
@@ -74,7 +74,7 @@ void ForceField::rebuild(State& state, Domain& domain) {
     if (settings_.viscous || settings_.pairs.rubs())
       viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
   }
-  if (state.extras().friction) contacts_.rebuild(state);
+  if (state.extras().friction) contacts_.rebuild(state, domain);
   bondsKnown_ = false;
 }
 
@@ -225,8 +225,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     owed_ = !request.complete;
     notePairs(tallies);
   }
-  if (viscous && state.extras().friction)
-    onShares(threads, [&](std::size_t t) { contacts_.end(state, shares()[t]); });
+  if (viscous && state.extras().friction) endContacts(state, halo);
   // An evaluation that draws spends about a fifth of its time on drawing.
   lists_.noteEvaluation(tallies.margin > 0 ? 0.2 * (MPI_Wtime() - begin - waited) : 0.0);
   return tallies.sum();
@@ -258,6 +257,16 @@ void ForceField::startViscous(const State& state, Share share) {
   if (!viscousSums_.empty())
     std::fill(viscousSums_.begin() + 6 * share.begin, viscousSums_.begin() + 6 * share.end, 0);
   if (state.extras().friction) contacts_.begin(share);
+}
+
+void ForceField::endContacts(State& state, Halo& halo) {
+  onShares(shares().size(), [&](std::size_t t) { contacts_.end(state, shares()[t]); });
+  if (!settings_.pairs.rubs()) return;
+  halo.refreshContacts(state);
+  std::vector<std::vector<ContactHistory::Heir>> heirs(shares().size());
+  onShares(shares().size(), [&](std::size_t t) { heirs[t] = contacts_.heirs(state, shares()[t]); });
+  for (const auto& thread : heirs)
+    for (const auto& [at, spring] : thread) at[0] = spring.x, at[1] = spring.y, at[2] = spring.z;
 }
 
 void ForceField::addWalls(State& state, Tallies& tallies) {

@@ -63,6 +63,7 @@ void WallForces::touch(State& state, ContactHistory* history, const Terms& terms
                       wall.modulus[static_cast<std::size_t>(state.kind(i))] * piece;
   Vec3d force, torque;
   ContactPatch patch;
+  patch.share = 1;
   double energy = 0;
   for (int k = 0; k < points; ++k) {
     const double u = ((k + 0.5) / points - 0.5) * fibre.length;
@@ -104,7 +105,7 @@ void WallForces::rubAt(State& state, ContactHistory& history, const Terms& terms
   const auto& [i, number, x, axis, fibre] = place;
   const Wall& wall = walls_[number];
   // Walls stand among the partners with negative rows.
-  double* const spring = history.find(state, i, -2 - static_cast<std::int64_t>(number));
+  double* const spring = history.find(state, i, -2 - static_cast<std::int64_t>(number)).at;
   if (!spring) return;
   const Vec3d lever = patch.placeI * axis + (fibre.radius - 0.5 * patch.overlap) * patch.normal;
   // Velocities are those half a step back.

@@ -31,13 +31,18 @@ class Halo {
   void refreshEnd(State& state);
   /// Brings the ghosts' velocities up to date, which only viscous damping needs.
   void refreshVelocities(State& state);
+  /// Brings the contacts of those ghosts up to date that follow or precede an owned segment along
+  /// its fibre, which only friction needs.
+  void refreshContacts(State& state);
 
  private:
   using Broadcast = decltype(PetscSFBcastBegin);
   void broadcast(Broadcast* half, State& state, Ghosts which);
+  void chooseAlong(const State& state);
 
   PetscSF sf_ = nullptr;
   std::array<MPI_Datatype, std::size(fields)> units_;  ///< of each field, the values of a segment
+  PetscSF along_ = nullptr;  ///< of sf_, the ghosts of Ghosts::alongFibres; only with friction
 };
 
 }  // namespace nanoweft

@@ -42,6 +42,7 @@ struct ContactAction {
 /// Where and how hard two segments press on each other: means over their contact, weighted by load.
 struct ContactPatch {
   double load = 0, stiffness = 0;  ///< normal force and its slope by the overlap
+  double share = 0;                ///< that these two segments have in the contact of their fibres
   double placeI = 0, overlap = 0;  ///< along i's axis from its centre
   Vec3d normal;                    ///< unit vector from i to j
 };
@@ -115,10 +116,11 @@ class ContactLaw {
   ContactPatch patch(const Vec3d& r, const Vec3d& ei, const Vec3d& ej,
                      const FreeEnds<double>& endsI, const FreeEnds<double>& endsJ) const {
     ContactPatch sum;
-    auto add = [&](double load, double stiffness, double placeI, double placeJ) {
+    auto add = [&](double weight, double load, double stiffness, double placeI, double placeJ) {
       const Vec3d n = r + placeJ * ej - placeI * ei;
       const double rho = norm(n);
       if (!(load > 0 && rho > 0)) return;
+      sum.share += weight;
       sum.load += load;
       sum.stiffness += stiffness;
       sum.placeI += load * placeI;
@@ -136,16 +138,15 @@ class ContactLaw {
       const double d = overlapAt(s, t), weight = k * share(s / length_.i, endsI).value *
                                                  share(t / length_.j, endsJ).value;
       const double slope = 2.5 * crossed_ * d * root(d / sine);
-      add(weight * slope, d > 0 ? 1.5 * weight * slope / d : 0.0, s, t);
+      add(weight, weight * slope, d > 0 ? 1.5 * weight * slope / d : 0.0, s, t);
     }
     for (int n = 0; n < points_ && k < 1; ++n) {
-      const double part = (n + 0.5) / points_ - 0.5;
+      const double place = (n + 0.5) / points_ - 0.5;
       auto addPoint = [&](double placeI, double placeJ, double own, double phi) {
-        const double d = overlapAt(placeI, placeJ),
-                     weight = (1.0 - k) * own / points_ * phi * line_;
-        add(weight * d, weight, placeI, placeJ);
+        const double part = (1.0 - k) / points_ * phi, stiffness = part * own * line_;
+        add(0.5 * part, stiffness * overlapAt(placeI, placeJ), stiffness, placeI, placeJ);
       };
-      const double u = part * length_.i, t = u * c - b, v = part * length_.j, s = a + v * c;
+      const double u = place * length_.i, t = u * c - b, v = place * length_.j, s = a + v * c;
       addPoint(u, t, length_.i, share(t / length_.j, endsJ).value);
       addPoint(s, v, length_.j, share(s / length_.i, endsI).value);
     }

@@ -95,6 +95,8 @@ class ForceField {
   /// Adds the summed pair forces on segments begin <= i < end to State::force and torque.
   void handOver(State& state, std::int32_t begin, std::int32_t end);
   void startViscous(const State& state, Share share);
+  /// Forgets contacts that are gone, and lets new ones take over springs.
+  void endContacts(State& state, Halo& halo);
   void addWalls(State& state, Tallies& tallies);
   void handOverViscous(State& state, Share share);
   void notePairs(const Tallies& tallies);
@@ -104,8 +106,6 @@ class ForceField {
   SumUnit energyUnit_;
   ListKeeper lists_;
   LinkForces links_;
-  ContactHistory contacts_;
-  WallForces walls_;
   std::vector<BondTally> followed_;  ///< what the threads of a ForcePass found in their bonds
   bool bondsKnown_ = false;          ///< a ForcePass has added the threads' own bonds already
   bool owed_ = false;                ///< pair forces wait in sums_ for a ForcePass
@@ -113,6 +113,8 @@ class ForceField {
   std::vector<std::int64_t> viscousSums_;  ///< [6] a segment
   std::int64_t resolved_ = 0;
   PetscLogEvent rebuildEvent_, bondEvent_, pairEvent_, haloEvent_;
+  ContactHistory contacts_;
+  WallForces walls_;
 };
 
 /// One pass over the owned segments between two evaluations, made by the stepper that moves them.

@@ -6,7 +6,9 @@
 ///
 /// Beyond the bound the spring slides along. The normal force is damped by g (v.n) n, at most as
 /// strongly as the contact presses. With a restitution e, beta = -ln e/sqrt(pi^2 + ln^2 e) and the
-/// reduced mass m, g = 2 beta sqrt(k m) for both, k the contact's stiffness.
+/// reduced mass m, g = 2 beta w sqrt(m k/w) for both, where k is the stiffness of the two segments'
+/// contact and w their share in that of their fibres, so that a contact has one g wherever it
+/// falls.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +48,8 @@ struct FrictionLaw {
     xi -= dot(xi, n) * n;
     if (const double now = norm(xi); now > 0) xi = (length / now) * xi;
     xi += dt * along;
-    const double damping = dampingOf(patch.stiffness), stiffness = tangential * patch.stiffness;
+    const double damping = dampingOf(patch.share * patch.stiffness),
+                 stiffness = tangential * patch.stiffness;
     Vec3d force = stiffness * xi + damping * along;
     const double bound = mu * patch.load;
     if (const double size = norm(force); size > bound) {

@@ -66,7 +66,13 @@ enum class Stored {
 };
 
 /// When ghosts get a field from their owner.
-enum class Ghosts { never, whenBuilt, everyStep, whenAsked };
+enum class Ghosts {
+  never,
+  whenBuilt,
+  everyStep,
+  whenAsked,
+  alongFibres,  ///< when asked, and only the neighbours of owned segments along their fibres
+};
 
 struct Field {
   std::variant<double * SegmentFields::*, std::int64_t * SegmentFields::*,
@@ -119,9 +125,9 @@ inline constexpr Field fields[] = {
     {&SegmentFields::gap, "gap", 4, Stored::extra, Ghosts::never, &ExtraFields::gap},
     {&SegmentFields::viscous, "viscous", 6, Stored::extra, Ghosts::never, &ExtraFields::viscous},
     {&SegmentFields::ends, "free_ends", 1, Stored::extra, Ghosts::never, &ExtraFields::ends},
-    {&SegmentFields::contact, "contact", contactSlots, Stored::extra, Ghosts::never,
+    {&SegmentFields::contact, "contact", contactSlots, Stored::extra, Ghosts::alongFibres,
      &ExtraFields::friction},
-    {&SegmentFields::spring, "contact_spring", 3 * contactSlots, Stored::extra, Ghosts::never,
+    {&SegmentFields::spring, "contact_spring", 3 * contactSlots, Stored::extra, Ghosts::alongFibres,
      &ExtraFields::friction},
     {&SegmentFields::rest, "rest_rotation", 3, Stored::extra, Ghosts::whenBuilt,
      &ExtraFields::rest},
