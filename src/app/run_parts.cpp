@@ -144,7 +144,10 @@ void RunParts::fillState() {
     if (flows && plan->kinds.curved()) takeRestOfKinds(*state, plan->kinds);
     if (extras.friction) forgetWallContacts(*state);
   }
-  if (extras.ends) plan->checkpoint ? state->recallFreeEnds() : state->noteFreeEnds();
+  if (extras.ends) {
+    if (!plan->checkpoint) state->noteFreeEnds();
+    state->recallFreeEnds();
+  }
   requireWideBox(plan->box, 1.5 * plan->kinds.longest(), units.length);
   // Checked first: a bad start would fail later checks, too, and those would name another cause.
   if (!plan->checkpoint) checkStart();

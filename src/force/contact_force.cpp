@@ -14,10 +14,11 @@ namespace {
 
 /// Which ends of the lanes' segments are free: the fourth number of a pose is the kind, a quarter
 /// for a free end behind the segment and a half for one before it (State::noteFreeEnds).
-FreeEnds<Lanes> freeEndsOf(const double* pose, const std::int32_t* index) {
+FreeEnds<Lanes> freeEndsOf(const double* pose, const std::int32_t* index,
+                           int (*bitsOf)(double) = freeEndBits) {
   double previous[laneCount], next[laneCount];
   for (int k = 0; k < laneCount; ++k) {
-    const int ends = freeEndBits(pose[8 * index[k] + 3]);
+    const int ends = bitsOf(pose[8 * index[k] + 3]);
     previous[k] = ends & 1, next[k] = ends >> 1;
   }
   return {Lanes(previous, stdx::element_aligned), Lanes(next, stdx::element_aligned)};
@@ -61,9 +62,10 @@ class ContactSum {
     for (int k = used; k < laneCount; ++k) i_[k] = i_[0], j_[k] = j_[0];
     const double* pose = job_.pose;
     const Vec3<Lanes> r = (*job_.nearest)(gatherPositions(pose, j_) - gatherPositions(pose, i_));
+    const Vec3<Lanes> ei = axis1(gatherOrientations(pose, i_)),
+                      ej = axis1(gatherOrientations(pose, j_));
     const ContactAction<Lanes> contact =
-        law_(r, axis1(gatherOrientations(pose, i_)), axis1(gatherOrientations(pose, j_)),
-             freeEndsOf(pose, i_), freeEndsOf(pose, j_));
+        law_(r, ei, ej, freeEndsOf(pose, i_), freeEndsOf(pose, j_));
     LaneIntegers onI[6], onJ[6];
     auto whole = [](LaneIntegers* to, double perUnit, const Vec3<Lanes>& v) {
       to[0] = nearestIntegers(perUnit * v.x);
@@ -80,6 +82,7 @@ class ContactSum {
       for (int k = 0; k < used; ++k)
         if (job_.mine(i_[k]))
           tally_.energy.add(contact.energy[static_cast<std::size_t>(k)], tally_.energyUnit);
+    if (job_.breakage && endsChanged(used)) release(r, ei, ej, contact.energy, used);
     if (job_.viscousSum && job_.viscous)
       for (int k = 0; k < used; ++k)
         if (contact.energy[static_cast<std::size_t>(k)] > 0) dampen(i_[k], j_[k]);
@@ -90,6 +93,25 @@ class ContactSum {
     std::copy(i_ + used, i_ + count_, i_);
     std::copy(j_ + used, j_ + count_, j_);
     count_ -= used;
+  }
+
+  bool endsChanged(int used) const {
+    auto changed = [&](std::int32_t k) {
+      const double fourth = job_.pose[8 * k + 3];
+      return freeEndBits(fourth) != formerEndBits(fourth);
+    };
+    return std::any_of(i_, i_ + used, changed) || std::any_of(j_, j_ + used, changed);
+  }
+
+  /// Books what contacts, whose energy now is `energy`, lost as ends got free since the last step.
+  [[gnu::noinline]] void release(const Vec3<Lanes>& r, const Vec3<Lanes>& ei, const Vec3<Lanes>& ej,
+                                 const Lanes& energy, int used) {
+    const Lanes before = law_(r, ei, ej, freeEndsOf(job_.pose, i_, formerEndBits),
+                              freeEndsOf(job_.pose, j_, formerEndBits))
+                             .energy;
+    for (int k = 0; k < used; ++k)
+      if (const auto lane = static_cast<std::size_t>(k); job_.mine(i_[k]))
+        tally_.released.add(before[lane] - energy[lane], tally_.energyUnit);
   }
 
   /// Viscous damping of two segments that touch (model.md 5).

@@ -35,6 +35,7 @@ struct ForceField::Tallies {
     for (const PairTally& t : pairs) {
       outcome.pair.merge(t.energy);
       outcome.friction.merge(t.friction);
+      outcome.released.merge(t.released);
     }
     for (const WallTally& t : walls) {
       outcome.wall.merge(t.energy);
@@ -102,6 +103,7 @@ void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies&
   PairJob job = pairJob(state, thread, tallies.viscousPairs);
   FrictionJob friction{state, contacts_, tallies.request.advance};
   if (tallies.viscousPairs && settings_.pairs.rubs()) job.friction = &friction;
+  job.breakage = tallies.request.mayBreak && settings_.breakage;
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
     const auto& [first, second, law, widest] = settings_.pairs.classes()[c];
     const PairForce& force = *law;

@@ -195,13 +195,13 @@ void State::noteFreeEnds() {
     int bits = freePrevious | freeNext;
     for (const Tie& tie : ties(i))
       if (!tie.broken) bits &= ~(tie.first ? freeNext : freePrevious);
+    pose[8 * i + 3] = kind(i) + 0.25 * bits + 0.0625 * ends[i];
     ends[i] = bits;
   }
-  recallFreeEnds();
 }
 
 void State::recallFreeEnds() {
-  for (int i = 0; i < owned_; ++i) pose[8 * i + 3] = kind(i) + 0.25 * ends[i];
+  for (int i = 0; i < owned_; ++i) pose[8 * i + 3] = kind(i) + 0.3125 * ends[i];
 }
 
 }  // namespace nanoweft

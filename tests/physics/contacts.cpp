@@ -174,6 +174,35 @@ TEST(Contacts, ACollisionKeepsItsEnergyToSecondOrder) {
   EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.5);
 }
 
+TEST(Contacts, WhatTheyGainByABreakUnderThemIsBookedWithIt) {
+  // A fibre lies across the bond between two segments that move apart. Before it breaks each of
+  // them bears half of the contact, and all of it afterwards.
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({-0.5 * T, 0, 0}, {1, 0, 0}, 2),
+                                straightFibre({0, -3 * T, 2 * tube::rf - 1}, {0, 1, 0}, 7)});
+  setMotion(
+      folder / "in.h5",
+      [](std::size_t row, const Vec3d& x) {
+        return Vec3d{row < 2 ? std::copysign(5e-4, x.x) : 0.0, 0, 0};
+      },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
+  const auto outcome =
+      run(folder,
+          "-scene file -scene_file in.h5 -start_unchecked -pair contact -contact_modulus 20 "
+          "-break_strain_mean 0.001 -break_strain_std 0.00001 -ts_dt 0.5 -ts_max_steps 200 "
+          "-progress_interval 0 -energy_monitor ascii:e.csv -monitor_interval 1",
+          2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto e = readCsv(folder / "e.csv");
+  double gained = 0, worst = 0;
+  for (std::size_t k = 1; k < e.at("total").size(); ++k) {
+    gained = std::max(gained, e.at("pair")[k] - e.at("pair")[k - 1]);
+    worst = std::max(worst, std::abs(e.at("total")[k] + e.at("broken")[k] - e.at("total")[0]));
+  }
+  EXPECT_GT(gained, 0.1);
+  EXPECT_LT(worst, 0.002);
+}
+
 /// A fibre pressed on a fixed one, in motion without damping: largest error of its energy balance
 /// over the energy that it moves with.
 double errorOf(double degrees, const VectorField& velocity, const VectorField& spin, double dt) {

@@ -65,6 +65,8 @@ struct PairJob {
   // With friction only:
   FrictionJob* friction = nullptr;
 
+  bool breakage = false;  ///< is the energy to be booked that contacts change by as ends get free?
+
   bool mine(std::int32_t segment) const { return segment >= begin && segment < end; }
 };
 
@@ -74,6 +76,7 @@ struct PairTally {
   SumUnit energyUnit;
   std::int64_t resolved = 0;    ///< pairs that the kernel has resolved
   std::int64_t pointPairs = 0;  ///< point pairs in those
+  ExactSum released;            ///< energy that contacts lost as ends got free
 };
 
 /// Energy of a pair and the force on its first segment.

@@ -26,9 +26,13 @@ enum BondBits : std::int32_t {
 
 /// Bits of State::freeEnds.
 enum FreeEnd { freePrevious = 1, freeNext = 2 };
-/// The fourth number of a pose is the kind and a quarter of these bits.
+/// The fourth number of a pose is the kind, a quarter of these bits, and a sixteenth of those that
+/// held in the step before.
 inline int freeEndBits(double fourth) {
   return static_cast<int>(4.0 * (fourth - static_cast<int>(fourth)));
+}
+inline int formerEndBits(double fourth) {
+  return static_cast<int>(16.0 * (fourth - static_cast<int>(fourth))) & 3;
 }
 
 /// Bits of State::group from here up belong to the solver; lower ones are the user's.
@@ -84,7 +88,7 @@ class State : public SegmentFields {
   /// Notes which ends of the owned segments are free now. A bond that breaks in an evaluation is
   /// noted before the next one, so that all ranks see its ends alike.
   void noteFreeEnds();
-  /// Takes them from SegmentFields::ends.
+  /// Takes them from SegmentFields::ends, as those of the step before too.
   void recallFreeEnds();
   /// What a segment (or a ghost) is bonded to: the one before it along the fibre, the one after it.
   Ties ties(int i) const {
