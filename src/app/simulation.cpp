@@ -76,6 +76,7 @@ void Simulation::begin() {
   // A restart keeps the viscous forces of its checkpoint: the velocities that they were computed
   // from, those half a step back, are not in the file.
   request.viscous = !parts_->plan->checkpoint;
+  request.ahead = parts_->stepper->dt();
   note(system_.forces.evaluate(system_.state, system_.domain.halo(), request), true);
   first_ = *energies_;
   // A restart has the stress of its checkpoint.
@@ -97,9 +98,11 @@ void Simulation::step() {
   ForceRequest request;
   request.energies = view == View::energies;
   request.complete = false;
-  request.advance = parts_->stepper->dt();
+  request.advance = request.ahead = parts_->stepper->dt();
   const ForceOutcome outcome =
       system_.forces.evaluate(system_.state, system_.domain.halo(), request);
+  system_.forces.walls().finish(system_.state.comm(), system_.state.time, request.advance,
+                                system_.accounts.external);
   {
     const LogScope log(kickEvent_);
     // A box that is strained takes the velocities along, so they must be whole.

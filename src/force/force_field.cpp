@@ -276,10 +276,11 @@ void ForceField::addWalls(State& state, Tallies& tallies) {
   tallies.walls.resize(shares().size());
   onShares(shares().size(), [&](std::size_t t) {
     walls_.add(state, state.extras().friction ? &contacts_ : nullptr,
-               {nearest_, state.time, tallies.request.advance, viscous}, shares()[t],
-               tallies.walls[t]);
+               {nearest_, state.time, tallies.request.advance, tallies.request.ahead, viscous},
+               shares()[t], tallies.walls[t]);
   });
   if (tallies.request.viscous) walls_.note(tallies.walls);
+  if (tallies.request.ahead > 0) walls_.noteAhead(tallies.walls);
 }
 
 void ForceField::handOverViscous(State& state, Share share) {

@@ -87,9 +87,12 @@ void WallForces::touch(State& state, ContactHistory* history, const Terms& terms
   WallTally::Felt& felt = tally.felt[number];
   addTo(felt.force, force, -1.0, forceUnit_);
   addTo(felt.torque, cross(x, force) + torque, -1.0, energyUnit_);
-  if (!wall.driven() && terms.dt > 0) {
-    const Vec3d way = 0.5 * (wall.wayAt(terms.time + terms.dt) - wall.wayAt(terms.time - terms.dt));
-    tally.external.add(dot(force, way), energyUnit_);
+  if (!wall.driven()) {
+    const Vec3d now = wall.wayAt(terms.time);
+    if (terms.dt > 0)
+      tally.external.add(0.5 * dot(force, now - wall.wayAt(terms.time - terms.dt)), energyUnit_);
+    if (terms.ahead > 0)
+      tally.ahead.add(0.5 * dot(force, wall.wayAt(terms.time + terms.ahead) - now), energyUnit_);
   }
   if (!wall.friction || !terms.viscous || !history) return;
   patch.placeI /= patch.load;
@@ -118,11 +121,11 @@ void WallForces::rubAt(State& state, ContactHistory& history, const Terms& terms
   addAt(state.viscous + 6 * i, action.forceI);
   addAt(state.viscous + 6 * i + 3, action.torqueI);
   tally.friction.add(action.power * terms.dt, energyUnit_);
-  // Steppers book all work of friction on the fibres as damped; that of a moving wall comes from
-  // it.
-  const double dragged = dot(action.forceI, surface) * terms.dt;
-  tally.external.add(dragged, energyUnit_);
-  tally.dragged.add(dragged, energyUnit_);
+  // Steppers book all work of friction on the fibres as damped; the wall's part comes from whoever
+  // moves the wall, or, where it is driven, from the wall's own motion.
+  const Vec3d from = wall.driven() ? wall.speed : Vec3d{};
+  tally.external.add(dot(action.forceI, surface - from) * terms.dt, energyUnit_);
+  tally.dragged.add(dot(action.forceI, surface) * terms.dt, energyUnit_);
   WallTally::Felt& felt = tally.felt[number];
   addTo(felt.force, action.forceI, -1.0, forceUnit_);
   addTo(felt.torque, cross(x + lever, action.forceI), -1.0, energyUnit_);
@@ -138,6 +141,11 @@ void WallForces::note(const std::vector<WallTally>& tallies) {
       }
 }
 
+void WallForces::noteAhead(const std::vector<WallTally>& tallies) {
+  ahead_ = {};
+  for (const WallTally& tally : tallies) ahead_.merge(tally.ahead);
+}
+
 std::vector<double> WallForces::felt(MPI_Comm comm) const {
   std::vector<ExactSum> sums;
   for (const WallTally::Felt& f : felt_) {
@@ -151,28 +159,36 @@ std::vector<double> WallForces::felt(MPI_Comm comm) const {
   return values;
 }
 
-void WallForces::move(MPI_Comm comm, double time, double dt, ExactSum& external) {
-  const std::vector<double> all = driven() ? felt(comm) : std::vector<double>();
+void WallForces::kick(MPI_Comm comm, double time, double h, ExactSum& external) {
+  if (!driven()) return;
+  const std::vector<double> all = felt(comm);
   int rank;
   MPI_Comm_rank(comm, &rank);
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     Wall& wall = walls_[w];
-    if (!wall.driven()) {
-      wall.moved = wall.wayAt(time + dt);
-      continue;
-    }
-    const Vec3d push = wall.factor(time) * wall.force;
-    const Vec3d along = (1.0 / norm(wall.force)) * wall.force;
-    const Vec3d felt{all[6 * w], all[6 * w + 1], all[6 * w + 2]};
-    const Vec3d before = wall.speed;
-    wall.speed += (dt / wall.mass * dot(push + felt - wall.drag * before, along)) * along;
-    wall.moved += dt * wall.speed;
+    if (!wall.driven()) continue;
+    const Vec3d along = (1.0 / norm(wall.force)) * wall.force, before = wall.speed,
+                push = wall.factor(time) * wall.force - wall.drag * before;
+    const Vec3d felt = triple(all.data(), 2 * static_cast<int>(w));
+    wall.speed += (h / wall.mass * dot(push + felt, along)) * along;
     // What the push puts in and drag takes out; the same on all ranks, so one books it.
-    if (rank == 0) {
-      const Vec3d mean = 0.5 * (before + wall.speed);
-      external.add(dt * dot(push - wall.drag * before, mean), energyUnit_);
-    }
+    if (rank == 0) external.add(0.5 * h * dot(push, before + wall.speed), energyUnit_);
   }
+}
+
+void WallForces::move(MPI_Comm comm, double time, double dt, ExactSum& external) {
+  external.merge(std::exchange(ahead_, {}));
+  kick(comm, time, 0.5 * dt, external);
+  for (Wall& wall : walls_) {
+    if (wall.driven())
+      wall.moved += dt * wall.speed;
+    else
+      wall.moved = wall.wayAt(time + dt);
+  }
+}
+
+void WallForces::finish(MPI_Comm comm, double time, double dt, ExactSum& external) {
+  kick(comm, time, 0.5 * dt, external);
 }
 
 void WallForces::place(double time) {

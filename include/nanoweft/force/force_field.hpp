@@ -29,6 +29,7 @@ struct ForceRequest {
   bool viscous = true;   ///< false: leave State::viscous as it is
   double advance = 0;    ///< time since the last evaluation, by which friction's springs advance
   bool complete = true;  ///< false: pair forces are left to a ForcePass
+  double ahead = 0;      ///< time to the next one, in which prescribed walls move on
 };
 
 class ForceField {

@@ -34,7 +34,7 @@ struct Wall {
 
   // Present state:
   Vec3d moved;  ///< way from the start
-  Vec3d speed;  ///< of a driven wall, half a step back
+  Vec3d speed;  ///< of a driven wall
 
   bool driven() const { return norm(force) > 0; }
   Vec3d at() const { return point + moved; }

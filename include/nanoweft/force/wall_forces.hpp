@@ -18,7 +18,8 @@ namespace nanoweft {
 struct WallTally {
   ExactSum energy;
   ExactSum friction, external;  ///< work that friction took out, that moving walls put in
-  ExactSum dragged;             ///< the part of `external` that comes by friction
+  ExactSum dragged;             ///< work of walls by friction
+  ExactSum ahead;               ///< work of prescribed walls in the half step to come
   struct Felt {
     ExactSum force[3], torque[3];  ///< on the wall, the torque about `Wall::at`
   };
@@ -34,11 +35,12 @@ class WallForces {
   bool rub() const;
   bool driven() const;
 
-  /// A step's part of an evaluation: `time` is that of the poses; springs advance, and work is
-  /// booked, by the time step `dt`. Without `viscous`, friction is left as it is.
+  /// A step's part of an evaluation: `time` is that of the poses. Springs advance by the time step
+  /// `dt`. A moving wall works for half of it, and for half of the next step `ahead`. Without
+  /// `viscous`, friction is left as it is.
   struct Terms {
     const MinimumImage& nearest;
-    double time, dt;
+    double time, dt, ahead;
     bool viscous;
   };
   /// Adds to the force, torque and viscous parts of the segments of a share.
@@ -46,9 +48,13 @@ class WallForces {
            WallTally& tally) const;
   /// Takes what the threads of this rank found.
   void note(const std::vector<WallTally>& tallies);
+  void noteAhead(const std::vector<WallTally>& tallies);
 
-  /// Moves the walls from `time` by `dt`. Collective when some wall is driven.
+  /// Moves the walls from `time` by `dt`; driven ones as velocity Verlet does, whose first half
+  /// this is. Collective when some wall is driven.
   void move(MPI_Comm comm, double time, double dt, ExactSum& external);
+  /// The second half, after the evaluation at `time`.
+  void finish(MPI_Comm comm, double time, double dt, ExactSum& external);
   /// Force and torque that the walls feel, [6] a wall. Collective.
   std::vector<double> felt(MPI_Comm comm) const;
   /// How deep a segment's surface is inside a wall at most, over its radius.
@@ -79,6 +85,8 @@ class WallForces {
   };
   void touch(State& state, ContactHistory* history, const Terms& terms, const Place& place,
              WallTally& tally) const;
+  /// Speeds driven walls up for the time h.
+  void kick(MPI_Comm comm, double time, double h, ExactSum& external);
   void rubAt(State& state, ContactHistory& history, const Terms& terms, const Place& place,
              const ContactPatch& patch, WallTally& tally) const;
 
@@ -86,6 +94,7 @@ class WallForces {
   const Kinds& kinds_;
   SumUnit energyUnit_, forceUnit_;
   std::vector<WallTally::Felt> felt_;
+  ExactSum ahead_;  ///< as WallTally::ahead, of the last evaluation
 };
 
 }  // namespace nanoweft
