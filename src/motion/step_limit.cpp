@@ -210,13 +210,15 @@ double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
   for (int k = 0; k < kinds.count(); ++k) {
     const double chain = chainStepLimit(kinds[k]);
     lowest = std::min(lowest, chain);
-    for (const auto& c : pairs.classes()) {
-      if (c.first != k && c.second != k) continue;
-      const auto& force = c.force;
-      const Both<int> n = force->points().near;
-      const double contact = force->contactStiffness() / std::max(n.i, n.j);
-      lowest =
-          std::min(lowest, 2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / kinds[k].mass));
+    for (int other = 0; other < kinds.count(); ++other) {
+      double contact = 0;  // laws add, and so do their stiffnesses
+      for (const auto& c : pairs.classes()) {
+        const Both<int> n = c.force->points().near;
+        if (c.between(k, other)) contact += c.force->contactStiffness() / std::max(n.i, n.j);
+      }
+      if (contact > 0)
+        lowest = std::min(lowest,
+                          2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / kinds[k].mass));
     }
   }
   return lowest;

@@ -234,6 +234,29 @@ TEST(StepLimit, SamePushIsStableWithTheStepForPressedTubes) {
   EXPECT_EQ(outcome.status, 0) << outcome.output;
 }
 
+TEST(StepLimit, ForPressedFibresAddsTheStiffnessesOfTheirLaws) {
+  const Folder folder;
+  // Squared frequency over that of the free chain, by which laws raise it.
+  auto raised = [&](const std::string& laws) {
+    const auto outcome = run(folder,
+                             "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 "
+                             "-ts_dt 1 -pair " +
+                                 laws);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    double chain = 0, pressed = 0;
+    const auto at = outcome.output.find(" now, ");
+    EXPECT_NE(at, std::string::npos) << outcome.output;
+    if (at != std::string::npos)
+      std::sscanf(outcome.output.c_str() + at, " now, %lf for a free chain, about %lf", &chain,
+                  &pressed);
+    return 1 / (pressed * pressed) - 1 / (chain * chain);
+  };
+  const std::string contact = "contact -contact_modulus 500";
+  const double both = raised("vdw," + contact);
+  EXPECT_GT(both, 0);
+  EXPECT_NEAR((raised("vdw") + raised(contact)) / both, 1.0, 0.01);
+}
+
 /// Two parallel tubes at rest side by side, which a growing force of up to 30 eV/A a segment
 /// presses into their linear repulsion.
 std::string pressedSlowly(const Folder& folder) {

@@ -33,7 +33,8 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo);
 double chainStepLimit(const Fibre& fibre);
 
 /// Limit of chains pressed together in hexagonal bundles: the chain's omega^2 plus that of the
-/// contacts, 6 K/m with K the contact stiffness of two parallel segments. The lowest of all kinds.
+/// contacts, 6 K/m with K the contact stiffness of two parallel segments, the sum of those of all
+/// laws between them. The lowest of all kinds.
 double bundleStepLimit(const Kinds& kinds, const PairForces& pairs);
 /// The lowest limit of the kinds' free chains.
 double chainStepLimit(const Kinds& kinds);
