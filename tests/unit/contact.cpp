@@ -10,6 +10,7 @@
 
 #include "helpers.hpp"
 #include "nanoweft/force/contact_force.hpp"
+#include "nanoweft/force/friction.hpp"
 #include "pair_sum.hpp"
 
 namespace nanoweft::test {
@@ -111,6 +112,35 @@ TEST(Contact, ACrossingHasOneForceWhereverItFalls) {
         EXPECT_LT(std::hypot(sum.force.x, sum.force.y), 1e-9 * expected) << degrees << " " << k;
         EXPECT_NEAR(sum.energy, 0.4 * overlap * expected, 1e-9 * expected);
       }
+    }
+  }
+}
+
+TEST(Contact, ACrossingHasOneFrictionWhereverItFalls) {
+  const ContactLaw law = lawOf(0, 0);
+  FrictionLaw friction;
+  friction.mu = 10;
+  friction.restitution = 0.5;
+  friction.mass = 1;
+  for (const double degrees : {41.0, 90.0}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    Vec3d first;
+    for (int k = 0; k < 20; ++k) {
+      Vec3d sum;
+      for (const Pose& i : chain(0, {0, 0, 0}, {1, 0, 0}, std::fmod(0.137 * k, 1.0)))
+        for (const Pose& j : chain(0, {0, 0, law.touch() - 0.3},
+                                   {std::cos(angle), std::sin(angle), 0}, 0.291 * k)) {
+          const ContactPatch patch = law.patch(j.x - i.x, axis1(i.q), axis1(j.q), {}, {});
+          double spring[3] = {0.01, 0.02, 0};
+          if (patch.load > 0)
+            sum += friction
+                       .act(patch, j.x - i.x, axis1(i.q), radius[0],
+                            {{}, {1e-3, 2e-3, -1e-3}, {}, {}}, 0.0, spring)
+                       .forceI;
+        }
+      if (k == 0) first = sum;
+      EXPECT_GT(norm(sum), 0);
+      EXPECT_LT(norm(sum - first), 1e-9 * norm(first)) << degrees << " " << k;
     }
   }
 }
