@@ -39,6 +39,17 @@ def no_links() -> Array:
     return np.zeros((0, 2), np.int64)
 
 
+def straight() -> Array:
+    return np.zeros(3)
+
+
+def lattice(box: Array, tilt: Array) -> Array:
+    """Rows: the ways to the next image across x, y, z."""
+    ways = np.diag(box)
+    ways[[1, 2, 2], [0, 0, 1]] = tilt
+    return ways
+
+
 @dataclass
 class State:
     """Segments, a row each, and their box."""
@@ -56,6 +67,7 @@ class State:
     kinds: Kinds = Kinds()
     values: Array | None = None  # a number for each segment, where one was asked for
     links: Array = field(default_factory=no_links)  # [L,2]: rows of both ends of each whole link
+    tilt: Array = field(default_factory=straight)  # slides of the images: x across y, x across z, y across z
 
     def __len__(self) -> int:
         return len(self.rows["position"])
@@ -76,8 +88,16 @@ class State:
     @property
     def whole(self) -> Array:
         """Positions with periodic images undone."""
-        return np.asarray(self["position"] + self["image"] * self.box if "image" in self else
-                          self["position"])
+        return np.asarray(self["position"] + self["image"] @ lattice(self.box, self.tilt)
+                          if "image" in self else self["position"])
+
+    def nearest(self, way: Array) -> Array:
+        """Ways between segments, to their nearest images."""
+        for k in (2, 1, 0):
+            if self.periodic[k]:
+                turns = np.round(way[:, k] / self.box[k])
+                way = way - turns[:, None] * lattice(self.box, self.tilt)[k]
+        return way
 
     @property
     def time_text(self) -> str:
@@ -149,6 +169,7 @@ class StateFile:
             self.lower, self.upper = (np.array(self.attributes[key], float).reshape(3)
                                       for key in ("lower", "upper"))
             self.periodic = np.array(self.attributes.get("periodic", (0, 0, 0))).reshape(3) != 0
+            self.tilt = np.array(self.attributes.get("tilt", (0, 0, 0)), float).reshape(3)
         except (TypeError, ValueError) as error:
             raise Unusable(f"{self.name}: attributes missing or wrong ({error})") from None
         try:
@@ -210,7 +231,7 @@ class StateFile:
         if not np.isfinite(rows["position"]).all():
             raise Unusable(f"{self.name}: some position is not finite")
         state = State(rows, self.lower, self.upper, self.periodic, self.step, self.time, self.units,
-                      closed, self.attributes, self.run, self.kinds)
+                      closed, self.attributes, self.run, self.kinds, tilt=self.tilt)
         if "link" in self.file and {"fibre", "index"} <= rows.keys():
             state.links = self.links(state)
         if values:
@@ -322,6 +343,8 @@ def write(name: Path, state: State) -> None:
                            lower=np.asarray(state.lower, float),
                            upper=np.asarray(state.upper, float),
                            periodic=np.asarray(state.periodic, np.int32))
+        if state.tilt.any():
+            group.attrs["tilt"] = state.tilt
         for key, rows in state.rows.items():
             group[key] = rows
         if "kind" in state and state.kinds.names:
@@ -391,9 +414,7 @@ def half_links(state: State) -> tuple[Array, Array]:
     """Rows at which links end, and the way from there to the middle of the link, by the nearest
     image of its other end."""
     first, second = state.links.T
-    way = state["position"][second] - state["position"][first]
-    box = np.where(state.periodic, state.box, np.inf)
-    way -= np.where(state.periodic, np.round(way / box) * state.box, 0.0)
+    way = state.nearest(state["position"][second] - state["position"][first])
     return np.append(first, second), 0.5 * np.concatenate([way, -way])
 
 

@@ -253,6 +253,9 @@ void printHeader(const RunParts& parts, const Moment& start) {
   PetscPrintf(plan.comm, "  %lld segments, box %g x %g x %g %s, periodic %d,%d,%d\n",
               static_cast<long long>(parts.state->total()), box.length(0), box.length(1),
               box.length(2), units.length, box.periodic[0], box.periodic[1], box.periodic[2]);
+  if (const Tilt& tilt = box.tilt)
+    PetscPrintf(plan.comm, "  tilted: images across %c slide along %c by %g %s\n",
+                "xyz"[tilt.across], "xyz"[tilt.along], tilt.way, units.length);
   for (const Fibre& fibre : plan.kinds) printFibre(plan.comm, fibre, units);
   printPairForces(plan.comm, parts.forces->pairs(), plan.kinds, units);
   for (int k = 0; k < plan.kinds.count(); ++k)

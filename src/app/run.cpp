@@ -166,8 +166,8 @@ std::vector<Run::Segment> Run::segments() const {
                     {q.w, q.x, q.y, q.z},
                     triple(s.velocity + 3 * i),
                     triple(s.angular + 3 * i)};
-    for (int d = 0; d < 3; ++d)
-      segment.unwrapped[d] = segment.position[d] + s.image[3 * i + d] * s.box.length(d);
+    const Vec3d unwrapped = s.box.unwrapped(s.pose + 8 * i, s.image + 3 * i);
+    segment.unwrapped = {unwrapped.x, unwrapped.y, unwrapped.z};
     segments.push_back(segment);
   }
   std::ranges::sort(segments, {}, [](const Segment& a) { return std::tuple(a.fibre, a.index); });

@@ -107,6 +107,15 @@ void RunPlan::refuseForMinimiser() const {
                      "-contact_restitution, or relax without it");
 }
 
+void RunPlan::refuseBesideShear() const {
+  const char* pair = boxDrive.shears();
+  if (!pair && !box.tilt) return;
+  const std::string what = pair ? std::string("-deform_") + pair : "a tilted box";
+  if (!walls.empty()) throw InputError(what + ": not together with -walls, which do not slide");
+  if (boundaries.tension())
+    throw InputError(what + ": not together with a tension test, which has grips");
+}
+
 void RunPlan::refuseContradictions() const {
   refuseSharedNames();
   if (!settings.maxSteps && !settings.maxTime && settings.relaxTolerance == 0 &&
@@ -116,6 +125,7 @@ void RunPlan::refuseContradictions() const {
         "-tension_rate or -tension_program");
   if (boxDrive && boundaries.tension())
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
+  refuseBesideShear();
   if (minimises()) refuseForMinimiser();
   if (settings.thermostat && settings.thermostat->kelvin > 0 &&
       (settings.relaxTolerance > 0 || settings.relaxForce > 0))

@@ -201,12 +201,18 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
 
 void readDomain(Options& options, const UnitSystem& units, Box& box) {
   OptionSection s(options, "Domain");
+  const Box own = box;
   if (auto v = s.reals("domain_lower", 3, "of the scene", units.length, "lower corner of the box"))
     std::copy(v->begin(), v->end(), box.lower.begin());
   if (auto v = s.reals("domain_upper", 3, "of the scene", units.length, "upper corner of the box"))
     std::copy(v->begin(), v->end(), box.upper.begin());
   if (auto v = s.flags3("domain_periodic", "of the scene", "periodic in x, y, z"))
     box.periodic = *v;
+  if (own.tilt &&
+      (box.lower != own.lower || box.upper != own.upper || box.periodic != own.periodic))
+    throw InputError(
+        "-domain_lower, -domain_upper, -domain_periodic: the box of the state is tilted by shear, "
+        "and stays as it is");
   for (std::size_t d = 0; d < 3; ++d)
     if (!(box.lower[d] < box.upper[d]))
       throw InputError(

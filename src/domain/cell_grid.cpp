@@ -60,11 +60,7 @@ std::vector<PetscInt> cut(const std::vector<double>& histogram, int parts) {
 CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
                    const std::array<double, 3>& upper, double range,
                    const std::vector<double>& work)
-    : CellLattice(lower, state.box.periodic),
-      range_(range),
-      upper_(upper),
-      from_(lower),
-      to_(upper) {
+    : CellLattice(lower, state.box), range_(range), upper_(upper), from_(lower), to_(upper) {
   std::array<double, 3> length;
   for (int d = 0; d < 3; ++d) length[d] = std::max(upper[d] - lower[d], range);
   choose(length, range, static_cast<double>(state.total()));
@@ -74,11 +70,9 @@ CellGrid::CellGrid(const State& state, const std::array<double, 3>& lower,
   for (int d = 0; d < 3; ++d) {
     upper_[d] = lower_[d] + length[d];
     std::vector<double> histogram(static_cast<std::size_t>(cells_[d]), 0.0);
-    for (int i = 0; i < state.owned(); ++i) {
-      const double c = (state.pose[8 * i + d] - lower_[d]) * inverseEdge_[d];
-      histogram[static_cast<std::size_t>(std::clamp(c, 0.0, cells_[d] - 1.0))] +=
+    for (int i = 0; i < state.owned(); ++i)
+      histogram[static_cast<std::size_t>(layerOf(state.pose + 8 * i, d))] +=
           work[static_cast<std::size_t>(i)];
-    }
     MPI_Allreduce(MPI_IN_PLACE, histogram.data(), cells_[d], MPI_DOUBLE, MPI_SUM, state.comm());
     ends_[d] = cut(histogram, parts_[d]);
   }
@@ -97,8 +91,9 @@ CellGrid::~CellGrid() {
   DMDestroy(&dm_);
 }
 
-bool CellGrid::covers(const std::array<double, 3>& lower,
-                      const std::array<double, 3>& upper) const {
+bool CellGrid::covers(const std::array<double, 3>& lower, const std::array<double, 3>& upper,
+                      const Tilt& tilt) const {
+  if (tilt != tilt_) return false;
   for (std::size_t d = 0; d < 3; ++d)
     if (periodic_[d] && (lower[d] != from_[d] || upper[d] != to_[d])) return false;
   for (int d = 0; d < 3; ++d)

@@ -19,18 +19,32 @@ constexpr double mostCellsPerSegment = 8;
 }  // namespace
 
 CellLattice::CellLattice(const std::array<double, 3>& lower, const std::array<double, 3>& upper,
-                         const std::array<bool, 3>& periodic, double edge, double range,
-                         double points)
-    : CellLattice(lower, periodic) {
+                         const Box& box, double edge, double range, double points)
+    : CellLattice(lower, box) {
   std::array<double, 3> length;
   for (int d = 0; d < 3; ++d) length[d] = std::max(upper[d] - lower[d], edge);
   choose(length, edge, points);
   finish(length, range);
 }
 
+CellLattice::CellLattice(const std::array<double, 3>& lower, const Box& box)
+    : lower_(lower), periodic_(box.periodic), tilt_(box.tilt) {
+  if (!tilt_) return;
+  slope_ = tilt_.way / box.length(tilt_.across);
+  period_ = box.length(tilt_.along);
+  straight_[static_cast<std::size_t>(tilt_.along)] = std::hypot(1.0, slope_);
+}
+
+double CellLattice::straightened(const double* x) const {
+  const double way = x[tilt_.along] - lower_[static_cast<std::size_t>(tilt_.along)] -
+                     slope_ * (x[tilt_.across] - lower_[static_cast<std::size_t>(tilt_.across)]);
+  return way - period_ * std::floor(way / period_);
+}
+
 void CellLattice::choose(const std::array<double, 3>& length, double edge, double points) {
   for (int d = 0; d < 3; ++d)
-    cells_[d] = static_cast<int>(std::clamp(std::floor(length[d] / edge), 1.0, mostCells));
+    cells_[d] =
+        static_cast<int>(std::clamp(std::floor(length[d] / (edge * straight_[d])), 1.0, mostCells));
   // A vast box gets coarser cells: a DMDA numbers cells with 32 bits, and its vectors have an entry
   // for each of them.
   const double most = std::min(mostCellsInAll, std::max(4096.0, mostCellsPerSegment * points));
@@ -44,7 +58,7 @@ void CellLattice::finish(const std::array<double, 3>& length, double range) {
   for (int d = 0; d < 3; ++d) {
     inverseEdge_[d] = cells_[d] / length[d];
     // The factor (1 - 1e-12): where an edge equals the range up to round-off, one cell suffices.
-    reach_[d] = static_cast<int>(std::ceil(range * inverseEdge_[d] * (1 - 1e-12)));
+    reach_[d] = static_cast<int>(std::ceil(range * straight_[d] * inverseEdge_[d] * (1 - 1e-12)));
   }
 }
 

@@ -81,7 +81,8 @@ void Domain::layGrid(const State& state, double range, const std::vector<double>
     lower[d] = state.box.periodic[d] ? state.box.lower[d] : extent[d];
     upper[d] = state.box.periodic[d] ? state.box.upper[d] : -extent[3 + d];
   }
-  if (grid_ && grid_->range() == range && !anew && grid_->covers(lower, upper)) return;
+  if (grid_ && grid_->range() == range && !anew && grid_->covers(lower, upper, state.box.tilt))
+    return;
   grid_ = std::make_unique<CellGrid>(state, lower, upper, range, work);
   petsc(DMSwarmSetCellDM(state.swarm(), grid_->dm()));
 }

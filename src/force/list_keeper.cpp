@@ -81,7 +81,7 @@ void ListKeeper::listKinds(const State& state) {
     // Cells for the others' own range: those for a range far beyond it would hold too many.
     const PairForce* among = settings_.pairs.between(second, second);
     const double edge = std::min(range, among ? among->reach() + skin_ : range);
-    const CellLattice lattice(lower, upper, state.box.periodic, edge, range,
+    const CellLattice lattice(lower, upper, state.box, edge, range,
                               static_cast<double>(others.size()));
     const CellIndex cells(state, lattice, others);
     if (classes[c].mixed())
@@ -109,6 +109,18 @@ void ListKeeper::stretch(const Box& box, const std::array<double, 3>& factor) {
   }
   stretched_ += most * range();
   listStretched_ += most * range();
+}
+
+void ListKeeper::shear(const Box& box, double strain) {
+  nearest_ = MinimumImage(box);
+  const auto along = static_cast<std::size_t>(box.tilt.along),
+             across = static_cast<std::size_t>(box.tilt.across);
+  const double middle = 0.5 * (box.lower[across] + box.upper[across]);
+  for (std::vector<double>* places : {&reference_, &listed_})
+    for (std::size_t k = 0; k < places->size(); k += 3)
+      (*places)[k + along] += strain * ((*places)[k + across] - middle);
+  stretched_ += std::abs(strain) * range();
+  listStretched_ += std::abs(strain) * range();
 }
 
 bool ListKeeper::redraw(const State& state) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "nanoweft/base/error.hpp"
 
@@ -9,17 +10,20 @@ namespace nanoweft {
 
 namespace {
 
-constexpr const char* names[3] = {"x", "y", "z"};
+constexpr const char* names[6] = {"x", "y", "z", "xy", "xz", "yz"};
 constexpr const char* topic = "Periodic box";
 
 }  // namespace
 
-void BoxDrive::Axis::read(Options& options, const UnitSystem& units, const std::string& name) {
+void BoxDrive::Axis::read(Options& options, const UnitSystem& units, const std::string& name,
+                          double least) {
   OptionSection s(options, topic);
   const std::string perTime = std::string("1/") + units.time;
-  const std::string chosen =
-      s.choice(name, "held", {"held", "rate", "program", "stress", "free"},
-               "what happens to the box along this axis; free: as stress with 0");
+  const std::string chosen = s.choice(
+      name, "held", {"held", "rate", "program", "stress", "free"},
+      least == -1 ? "what happens to the box along this axis; free: as stress with 0"
+                  : "shear: what happens to the images across the second axis, which slide "
+                    "along the first");
   mode = chosen == "held"      ? held
          : chosen == "rate"    ? BoxDrive::rate
          : chosen == "program" ? program
@@ -38,13 +42,14 @@ void BoxDrive::Axis::read(Options& options, const UnitSystem& units, const std::
   if (mode == program && !pairs)
     throw InputError("-" + name + " program: give -" + name + "_program");
   if (pairs) {
-    legs.emplace(*pairs, std::nullopt, "-" + name + "_program");
+    legs.emplace(*pairs, std::nullopt, "-" + name + "_program", least);
     legs->begin(0.0, 0.0);
   }
   if (until != 0 && (until > 0) != (rate > 0))
     throw InputError(
         format("-%s_until %g: the rate %g leads away from it", name.c_str(), until, rate));
-  if (until <= -1) throw InputError(format("-%s_until %g: must be above -1", name.c_str(), until));
+  if (until <= least)
+    throw InputError(format("-%s_until %g: must be above -1", name.c_str(), until));
 }
 
 double BoxDrive::Axis::nextLength(double length, double start, double time, double dt,
@@ -55,17 +60,35 @@ double BoxDrive::Axis::nextLength(double length, double start, double time, doub
   return until != 0 && (rate > 0 ? next > end : next < end) ? end : next;
 }
 
+double BoxDrive::Axis::nextShear(double strain, double time, double dt, double grown) const {
+  if (mode == program) return legs->strain(time + dt);
+  const double next = strain + dt * (mode == BoxDrive::rate ? grown * rate : rate);
+  return until != 0 && (rate > 0 ? next > until : next < until) ? until : next;
+}
+
+std::string BoxDrive::Axis::text(const char* time) const {
+  return mode == BoxDrive::rate ? format("strained at %g 1/%s", rate, time)
+         : mode == program      ? "strain " + legs->text() + " 1/" + time
+                                : format("driven to %g GPa", target);
+}
+
 BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
     : unit_(units.gigapascal), time_(units.time) {
   bool driven = false, rated = false;
-  for (std::size_t d = 0; d < 3; ++d) {
-    axes_[d].read(options, units, std::string("deform_") + names[d]);
+  for (std::size_t d = 0; d < axes_.size(); ++d) {
+    axes_[d].read(options, units, std::string("deform_") + names[d],
+                  d < 3 ? -1.0 : -std::numeric_limits<double>::infinity());
     active_ = active_ || axes_[d].mode != held;
     driven = driven || axes_[d].mode == stress;
     rated = rated || axes_[d].mode == rate;
+    if (d < 3 || axes_[d].mode == held) continue;
+    if (sheared_ != none)
+      throw InputError(format("-deform_%s, -deform_%s: the images slide along one pair of axes",
+                              names[sheared_], names[d]));
+    sheared_ = d;
   }
   const std::string perTime = std::string("1/") + units.time;
-  OptionSection any(options, topic, active_, "no -deform_x, _y or _z");
+  OptionSection any(options, topic, active_, "no -deform_x, _y, _z, _xy, _xz or _yz");
   interval_ =
       any.integer("deform_interval", 20, "steps between measurements of the stress", 1, 1000000);
   OptionSection ofRates(options, topic, rated, "no direction is strained at a rate");
@@ -81,15 +104,16 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
       servo.real("deform_most_rate", 1e-5, perTime.c_str(), "but no faster than this", positive);
 }
 
+const char* BoxDrive::shears() const {
+  return sheared_ == none ? nullptr : names[sheared_];
+}
+
 std::string BoxDrive::text() const {
   std::string text;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const Axis& axis = axes_[d];
-    if (axis.mode == held) continue;
-    text += (text.empty() ? "" : "; ") + std::string("along ") + names[d] + " ";
-    text += axis.mode == rate      ? format("strained at %g 1/%s", axis.rate, time_)
-            : axis.mode == program ? "strain " + axis.legs->text() + " 1/" + time_
-                                   : format("driven to %g GPa", axis.target);
+  for (std::size_t d = 0; d < axes_.size(); ++d) {
+    if (axes_[d].mode == held) continue;
+    text += (text.empty() ? "" : "; ") + std::string(d < 3 ? "along " : "shear ") + names[d] + " ";
+    text += axes_[d].text(time_);
   }
   return text;
 }
@@ -107,6 +131,7 @@ void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
   if (thickness_ > 0 && open != 1)
     throw InputError(
         "-deform_thickness: it is that of a sheet, whose box is open in one direction");
+  if (sheared_ != none) attachShear(box, record, restart);
   if (!restart) return;
   const auto& numbers = record.needReals("deform", 12);
   for (std::size_t d = 0; d < 3; ++d) {
@@ -117,12 +142,36 @@ void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
   }
 }
 
+void BoxDrive::attachShear(const Box& box, const RunRecord& record, bool restart) {
+  const Tilt pair = Tilt::ofPair(static_cast<int>(sheared_) - 3, 0.0);
+  for (const int d : {pair.along, pair.across})
+    if (!box.periodic[static_cast<std::size_t>(d)])
+      throw InputError(format("-deform_%s: the box is open along %s (-domain_periodic)",
+                              names[sheared_], names[d]));
+  if (box.tilt && box.tilt.place() != pair.place())
+    throw InputError(format("-deform_%s: the box is tilted along %s already", names[sheared_],
+                            names[3 + box.tilt.place()]));
+  shear_ = shearStart_ = box.tilt.way / box.length(pair.across);
+  if (!restart) return;
+  const auto& numbers = record.needReals("deform_shear", 5);
+  shear_ = numbers[0];
+  shearStart_ = numbers[1];
+  shearStress_ = numbers[2];
+  shearSince_ = numbers[3];
+  if (axes_[sheared_].mode == stress) axes_[sheared_].rate = numbers[4];
+}
+
 void BoxDrive::save(RunRecord& record) const {
   if (!active_) return;
   auto& numbers = record.reals["deform"];
   for (const auto* part : {&start_, &stress_, &since_})
     numbers.insert(numbers.end(), part->begin(), part->end());
-  for (const Axis& axis : axes_) numbers.push_back(axis.mode == stress ? axis.rate : 0.0);
+  for (std::size_t d = 0; d < 3; ++d)
+    numbers.push_back(axes_[d].mode == stress ? axes_[d].rate : 0.0);
+  if (sheared_ == none) return;
+  const Axis& axis = axes_[sheared_];
+  record.reals["deform_shear"] = {shear_, shearStart_, shearStress_, shearSince_,
+                                  axis.mode == stress ? axis.rate : 0.0};
 }
 
 std::array<double, 3> BoxDrive::strains(const Box& box) const {
@@ -143,7 +192,14 @@ double BoxDrive::volume(const Box& box) const {
 void BoxDrive::strain(State& state, ForceField& forces, double time, double dt,
                       ExactSum& external) {
   if (!active_) return;
-  const double grown = ramp_ > 0 && time < ramp_ ? time / ramp_ : 1.0, before = volume(state.box);
+  const double grown = ramp_ > 0 && time < ramp_ ? time / ramp_ : 1.0;
+  double work = stretch(state, forces, time, dt, grown);
+  if (sheared_ != none) work += slide(state, forces, time, dt, grown);
+  if (state.rank() == 0) external.add(work, forces.energyUnit());
+}
+
+double BoxDrive::stretch(State& state, ForceField& forces, double time, double dt, double grown) {
+  const double before = volume(state.box);
   std::array<double, 3> factor{1, 1, 1};
   double work = 0;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -164,24 +220,61 @@ void BoxDrive::strain(State& state, ForceField& forces, double time, double dt,
       state.velocity[3 * static_cast<std::size_t>(i) + d] /= factor[d];
     }
   }
-  if (factor == std::array<double, 3>{1, 1, 1}) return;
+  if (factor == std::array<double, 3>{1, 1, 1}) return work;
+  state.box.tilt.way *= factor[static_cast<std::size_t>(state.box.tilt.along)];
+  if (sheared_ != none) {
+    const Tilt pair = Tilt::ofPair(static_cast<int>(sheared_) - 3, 0.0);
+    shear_ *= factor[static_cast<std::size_t>(pair.along)] /
+              factor[static_cast<std::size_t>(pair.across)];
+  }
   for (int i = 0; i < state.owned(); ++i) state.box.wrap(state.pose + 8 * i, state.image + 3 * i);
   forces.stretch(state.box, factor);
-  if (state.rank() == 0) external.add(work, forces.energyUnit());
+  return work;
+}
+
+double BoxDrive::slide(State& state, ForceField& forces, double time, double dt, double grown) {
+  const double next = axes_[sheared_].nextShear(shear(), time, dt, grown), strain = next - shear();
+  if (strain == 0) return 0;
+  Box& box = state.box;
+  const Tilt old = Tilt::ofPair(static_cast<int>(sheared_) - 3, box.tilt.way);
+  const double middle = 0.5 * (box.lower[static_cast<std::size_t>(old.across)] +
+                               box.upper[static_cast<std::size_t>(old.across)]);
+  const double across = box.length(old.across), along = box.length(old.along);
+  // The tilt that leads to the nearest of the images, which all are the same, is the least one.
+  const double turnsThen = std::nearbyint((shear_ * across - old.way) / along);
+  shear_ = shearStart_ + next;
+  const double turns = std::nearbyint(shear_ * across / along);
+  box.tilt = old;
+  box.tilt.way = shear_ * across - turns * along;
+  const auto more = static_cast<std::int32_t>(turns - turnsThen);
+  for (int i = 0; i < state.owned(); ++i) {
+    double* const x = state.pose + 8 * i;
+    x[old.along] += strain * (x[old.across] - middle);
+    state.velocity[3 * i + old.along] -= strain * state.velocity[3 * i + old.across];
+    std::int32_t* const image = state.image + 3 * i;
+    image[old.along] += more * image[old.across];
+    box.wrap(x, image);
+  }
+  forces.shear(box, strain);
+  shearSince_ += strain;
+  return volume(box) * unit_ * shearStress_ * strain;
 }
 
 void BoxDrive::note(const State& state, const ForceField& forces,
-                    const std::array<double, 6>& stress, ExactSum& external) {
+                    const std::array<double, 9>& stress, ExactSum& external) {
   // Steps have booked the stress at the last measurement; the mean of both is right to second
   // order.
   double work = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    work += 0.5 * volume(state.box) * unit_ * (stress[d] - stress_[d]) * since_[d];
-    stress_[d] = stress[d];
-    since_[d] = 0;
-    if (Axis& axis = axes_[d]; axis.mode == BoxDrive::stress)
-      axis.rate = std::clamp((axis.target - stress[d]) / (modulus_ * relaxes_), -most_, most_);
-  }
+  auto see = [&](Axis& axis, double now, double& then, double& since) {
+    work += 0.5 * volume(state.box) * unit_ * (now - then) * since;
+    then = now;
+    since = 0;
+    if (axis.mode == BoxDrive::stress)
+      axis.rate = std::clamp((axis.target - now) / (modulus_ * relaxes_), -most_, most_);
+  };
+  for (std::size_t d = 0; d < 3; ++d) see(axes_[d], stress[d], stress_[d], since_[d]);
+  // Force along the one axis through the face across the other.
+  if (sheared_ != none) see(axes_[sheared_], stress[3 + sheared_], shearStress_, shearSince_);
   if (state.rank() == 0) external.add(work, forces.energyUnit());
 }
 

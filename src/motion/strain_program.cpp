@@ -9,14 +9,14 @@
 namespace nanoweft {
 
 StrainProgram::StrainProgram(const std::vector<double>& pairs, std::optional<double> ramp,
-                             const std::string& name)
+                             const std::string& name, double least)
     : name_(name) {
   const std::string option = name + " " + canonical(pairs) + ": ";
   if (pairs.size() % 2 != 0)
     throw InputError(option + "expected pairs of strain and rate, but the number of values is odd");
   for (std::size_t k = 0; k < pairs.size(); k += 2) {
     const double target = pairs[k], speed = pairs[k + 1];
-    if (!(target > -1))
+    if (!(target > least))
       throw InputError(option + format("strain %g: at -1 the grips meet", target));
     if (!(speed > 0))
       throw InputError(option +

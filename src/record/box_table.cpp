@@ -14,8 +14,7 @@ class BoxTable : public TableObserver {
                       {.option = "box_monitor",
                        .help = "strain and stress of the periodic box through a viewer: "
                                "ascii:FILE.csv, draw",
-                       .columns = {timeColumn(units), "strain_x", "strain_y", "strain_z", "xx_GPa",
-                                   "yy_GPa", "zz_GPa", "xy_GPa", "xz_GPa", "yz_GPa"},
+                       .columns = columns(units, drive),
                        .abscissa = 0,
                        .curves = {4, 5, 6}},
                       interval),
@@ -34,13 +33,20 @@ class BoxTable : public TableObserver {
     const System& s = moment.system;
     std::vector<double> values{s.state.time};
     for (const double strain : drive_.strains(s.state.box)) values.push_back(strain);
-    for (const double stress :
-         boxStress(s.state, s.domain, s.forces, drive_.volume(s.state.box), units_))
-      values.push_back(stress);
+    const auto stress = boxStress(s.state, s.domain, s.forces, drive_.volume(s.state.box), units_);
+    values.insert(values.end(), stress.begin(), stress.begin() + 6);
+    if (drive_.shears()) values.push_back(drive_.shear());
     return values;
   }
 
  private:
+  static std::vector<std::string> columns(const UnitSystem& units, const BoxDrive& drive) {
+    std::vector<std::string> names{timeColumn(units), "strain_x", "strain_y", "strain_z", "xx_GPa",
+                                   "yy_GPa",          "zz_GPa",   "xy_GPa",   "xz_GPa",   "yz_GPa"};
+    if (drive.shears()) names.push_back(std::string("strain_") + drive.shears());
+    return names;
+  }
+
   const UnitSystem& units_;
   BoxDrive& drive_;
 };

@@ -38,10 +38,11 @@ Gage findGage(const State& state, int axis, double segment) {
   return {axis, faces[0] + inset, -faces[1] - inset};
 }
 
-/// Sum of symmetric dyads: xx, yy, zz, xy, xz, yz.
+/// Sum of symmetric dyads: xx, yy, zz, xy, xz, yz; and of what the dyads yx, zx, zy have beyond
+/// these.
 struct DyadSum {
   SumUnit unit;
-  ExactSum sum[6];
+  ExactSum sum[9];
 
   void add(double factor, const Vec3d& a, const Vec3d& b) {
     sum[0].add(factor * a.x * b.x, unit);
@@ -50,6 +51,9 @@ struct DyadSum {
     sum[3].add(0.5 * factor * (a.x * b.y + a.y * b.x), unit);
     sum[4].add(0.5 * factor * (a.x * b.z + a.z * b.x), unit);
     sum[5].add(0.5 * factor * (a.y * b.z + a.z * b.y), unit);
+    sum[6].add(0.5 * factor * (a.y * b.x - a.x * b.y), unit);
+    sum[7].add(0.5 * factor * (a.z * b.x - a.x * b.z), unit);
+    sum[8].add(0.5 * factor * (a.z * b.y - a.y * b.z), unit);
   }
 };
 
@@ -111,7 +115,7 @@ Virial virialIn(const State& state, const Domain& domain, const ForceField& forc
     addVirial(state, domain, forces, gage, t, own);
 #pragma omp critical
     for (std::size_t c = 0; c < own.size(); ++c)
-      for (std::size_t k = 0; k < 6; ++k) total.sums[c].sum[k].merge(own[c].sum[k]);
+      for (std::size_t k = 0; k < 9; ++k) total.sums[c].sum[k].merge(own[c].sum[k]);
   }
   return total;
 }
@@ -124,14 +128,14 @@ Virial virialOf(const State& state, const Domain& domain, const ForceField& forc
 }
 
 /// The stress of all carriers together. Collective.
-std::array<double, 6> sumOf(const Virial& virial, const ForceField& forces, const UnitSystem& units,
+std::array<double, 9> sumOf(const Virial& virial, const ForceField& forces, const UnitSystem& units,
                             MPI_Comm comm) {
   DyadSum total{forces.energyUnit(), {}};
   for (const DyadSum& own : virial.sums)
-    for (std::size_t k = 0; k < 6; ++k) total.sum[k].merge(own.sum[k]);
-  ExactSum::reduce(total.sum, 6, comm);
-  std::array<double, 6> stress;
-  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t k = 0; k < 9; ++k) total.sum[k].merge(own.sum[k]);
+  ExactSum::reduce(total.sum, 9, comm);
+  std::array<double, 9> stress;
+  for (std::size_t k = 0; k < 9; ++k)
     stress[k] = total.sum[k].value(total.unit) / (virial.volume * units.gigapascal);
   return stress;
 }
@@ -140,14 +144,20 @@ std::array<double, 6> sumOf(const Virial& virial, const ForceField& forces, cons
 
 std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
                                  const Tension& tension, const UnitSystem& units) {
-  return sumOf(virialOf(state, domain, forces, tension), forces, units, state.comm());
+  const auto all = sumOf(virialOf(state, domain, forces, tension), forces, units, state.comm());
+  std::array<double, 6> symmetric;
+  std::copy_n(all.begin(), 6, symmetric.begin());
+  return symmetric;
 }
 
-std::array<double, 6> boxStress(const State& state, const Domain& domain, const ForceField& forces,
+std::array<double, 9> boxStress(const State& state, const Domain& domain, const ForceField& forces,
                                 double volume, const UnitSystem& units) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const Gage everything{0, -infinity, infinity};
-  return sumOf(virialIn(state, domain, forces, everything, volume), forces, units, state.comm());
+  auto stress =
+      sumOf(virialIn(state, domain, forces, everything, volume), forces, units, state.comm());
+  for (std::size_t k = 6; k < 9; ++k) stress[k] += stress[k - 3];
+  return stress;
 }
 
 std::vector<double> carriedStress(const State& state, const Domain& domain,

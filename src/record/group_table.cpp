@@ -31,13 +31,6 @@ double lengthScale(const Box& box) {
   return scale;
 }
 
-Vec3d unwrapped(const State& state, int i) {
-  const auto& box = state.box;
-  const std::int32_t* turns = state.image + 3 * i;
-  return state.position(i) +
-         Vec3d{turns[0] * box.length(0), turns[1] * box.length(1), turns[2] * box.length(2)};
-}
-
 /// A sum of vectors over the segments of a group, of all ranks.
 class VectorSum {
  public:
@@ -68,7 +61,7 @@ Vec3d meanPosition(const State& state, const Boundary& group) {
   VectorSum sum(lengthScale(state.box));
   std::int64_t members = 0;
   forMembers(state, group, [&](int i) {
-    sum.add(unwrapped(state, i));
+    sum.add(state.box.unwrapped(state.pose + 8 * i, state.image + 3 * i));
     ++members;
   });
   MPI_Allreduce(MPI_IN_PLACE, &members, 1, MPI_INT64_T, MPI_SUM, state.comm());

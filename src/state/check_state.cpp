@@ -24,6 +24,23 @@ bool allFinite(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
+/// Slides of the images: along x across y, along x across z, along y across z.
+void checkTilt(const OpenState& state, const std::vector<std::int64_t>& periodic) {
+  const auto tilt = h5::readReals(state.segments(), "tilt");
+  if (!tilt || tilt->size() != 3 || !allFinite(*tilt) || std::ranges::count(*tilt, 0.0) < 2)
+    state.refuse("the attribute tilt must be three finite numbers, of which at most one is not 0");
+  for (int pair = 0; pair < 3; ++pair) {
+    if ((*tilt)[static_cast<std::size_t>(pair)] == 0) continue;
+    const Tilt own = Tilt::ofPair(pair, 1.0);
+    if (!periodic[static_cast<std::size_t>(own.along)] ||
+        !periodic[static_cast<std::size_t>(own.across)])
+      state.refuse(
+          format("its box is tilted along %c across %c (attribute tilt), where it must be "
+                 "periodic",
+                 "xyz"[own.along], "xyz"[own.across]));
+  }
+}
+
 void checkAttributes(const OpenState& state, bool complete) {
   const hid_t group = state.segments();
   const auto name = h5::readText(group, "format");
@@ -47,6 +64,7 @@ void checkAttributes(const OpenState& state, bool complete) {
   if (!periodic || periodic->size() != 3 ||
       !std::ranges::all_of(*periodic, [](auto p) { return p == 0 || p == 1; }))
     state.refuse("the attribute periodic must be three integers, each 0 or 1");
+  if (H5Aexists(group, "tilt") > 0) checkTilt(state, *periodic);
   auto wanted = [&](const char* attribute) { return complete || H5Aexists(group, attribute) != 0; };
   if (const auto step = h5::readIntegers(group, "step");
       wanted("step") && (!step || step->size() != 1 || (*step)[0] < 0))

@@ -93,6 +93,10 @@ StateHeader readHeader(const OpenState& file) {
     header.box.upper[d] = (*upper)[d];
     header.box.periodic[d] = (*periodic)[d] != 0;
   }
+  if (const auto tilt = h5::readReals(group, "tilt"))
+    for (int pair = 0; pair < 3; ++pair)
+      if (const double way = tilt->at(static_cast<std::size_t>(pair)); way != 0)
+        header.box.tilt = Tilt::ofPair(pair, way);
   header.units = *units;
   header.parts = namesOfParts(group);
   if (header.parts.contains(rows::kind.name)) header.kinds = readKindNames(file, kindsOfFibres);

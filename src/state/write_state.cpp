@@ -121,7 +121,7 @@ class FileOnRank0 {
 };
 
 bool writeHead(hid_t group, const State& state, const UnitSystem& units) {
-  const auto& [lower, upper, periodic] = state.box;
+  const auto& [lower, upper, periodic, tilt] = state.box;
   bool good = h5::writeAttribute(group, "format", stateFormatName);
   good &= h5::writeScalar(group, "version", stateFormatVersion);
   good &= h5::writeScalar(group, "step", state.step);
@@ -129,6 +129,11 @@ bool writeHead(hid_t group, const State& state, const UnitSystem& units) {
   good &= h5::writeAttribute(group, "units", units.name);
   good &= h5::writeAttribute(group, "lower", std::vector<double>(lower.begin(), lower.end()));
   good &= h5::writeAttribute(group, "upper", std::vector<double>(upper.begin(), upper.end()));
+  if (tilt) {
+    std::vector<double> slides(3);
+    slides[static_cast<std::size_t>(tilt.place())] = tilt.way;
+    good &= h5::writeAttribute(group, "tilt", slides);
+  }
   return h5::writeAttribute(group, "periodic",
                             std::vector<std::int64_t>(periodic.begin(), periodic.end())) &&
          good;
@@ -230,9 +235,11 @@ void writeSegments(DatasetWriter& writer, hid_t group, const State& state, const
 void writeMesh(DatasetWriter& writer, hid_t group, const Box& box, std::int64_t first,
                const OrderedRows& rows) {
   std::vector<float> points(rows.position.size());
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const int d = static_cast<int>(k % 3);
-    points[k] = static_cast<float>(rows.position[k] + rows.image[k] * box.length(d));
+  for (std::size_t k = 0; k < points.size(); k += 3) {
+    const Vec3d at = box.unwrapped(&rows.position[k], &rows.image[k]);
+    points[k] = static_cast<float>(at.x);
+    points[k + 1] = static_cast<float>(at.y);
+    points[k + 2] = static_cast<float>(at.z);
   }
   std::vector<std::int32_t> lines;
   for (std::size_t k = 0; k < rows.bond.size(); ++k) {

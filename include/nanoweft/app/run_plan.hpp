@@ -67,6 +67,7 @@ struct RunPlan {
   void refuseForMinimiser() const;
   /// Prefixes of options must tell what they belong to.
   void refuseSharedNames() const;
+  void refuseBesideShear() const;
   bool seeNewStep(const Options& options) const;
   /// Throws InputError when two outputs are one file.
   void requireDistinctOutputs() const;

@@ -27,7 +27,8 @@ class CellGrid : public CellLattice {
 
   DM dm() const { return dm_; }
   double range() const { return range_; }
-  bool covers(const std::array<double, 3>& lower, const std::array<double, 3>& upper) const;
+  bool covers(const std::array<double, 3>& lower, const std::array<double, 3>& upper,
+              const Tilt& tilt) const;
 
   /// The rank whose part of the DMDA holds the cell.
   int owner(std::int64_t cell) const;

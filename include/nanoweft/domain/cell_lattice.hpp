@@ -17,17 +17,20 @@ class CellLattice {
  public:
   /// A lattice for `points` points that lie between the corners: cells with edges of about `edge`,
   /// and neighbours for points within `range` of each other. In periodic directions the corners
-  /// must be those of the box.
+  /// must be those of the box. In a tilted box cells lie in straightened coordinates, in which
+  /// images across the tilt do not slide.
   CellLattice(const std::array<double, 3>& lower, const std::array<double, 3>& upper,
-              const std::array<bool, 3>& periodic, double edge, double range, double points);
+              const Box& box, double edge, double range, double points);
 
   std::int64_t cellOf(const double* x) const {
     std::int64_t id = 0;
-    for (int d = 2; d >= 0; --d) {
-      const double c = (x[d] - lower_[d]) * inverseEdge_[d];
-      id = id * cells_[d] + static_cast<int>(std::clamp(c, 0.0, cells_[d] - 1.0));
-    }
+    for (int d = 2; d >= 0; --d) id = id * cells_[d] + layerOf(x, d);
     return id;
+  }
+  /// Number of the layer of cells along an axis.
+  int layerOf(const double* x, int d) const {
+    const double way = d == tilt_.along && tilt_ ? straightened(x) : x[d] - lower_[d];
+    return static_cast<int>(std::clamp(way * inverseEdge_[d], 0.0, cells_[d] - 1.0));
   }
 
   /// The cells that may hold points within the range of points of `cell`, itself included, each
@@ -35,8 +38,7 @@ class CellLattice {
   void neighbours(std::int64_t cell, std::vector<std::int64_t>& out) const;
 
  protected:
-  CellLattice(const std::array<double, 3>& lower, const std::array<bool, 3>& periodic)
-      : lower_(lower), periodic_(periodic) {}
+  CellLattice(const std::array<double, 3>& lower, const Box& box);
   /// Sets the number of cells: edges of at least `edge`, or more where that would be too many cells
   /// for so many points.
   void choose(const std::array<double, 3>& length, double edge, double points);
@@ -46,6 +48,14 @@ class CellLattice {
   std::array<double, 3> lower_, inverseEdge_;
   std::array<int, 3> cells_, reach_;
   std::array<bool, 3> periodic_;
+  Tilt tilt_;
+
+ private:
+  /// Place along the tilt in straightened coordinates.
+  double straightened(const double* x) const;
+
+  double slope_ = 0, period_ = 0;            ///< of the tilt, and length of the box along it
+  std::array<double, 3> straight_{1, 1, 1};  ///< by how much straightened distances are longer
 };
 
 /// Points by cell: `order` lists the points cell after cell, each cell's in the order of their

@@ -76,6 +76,11 @@ class ForceField {
     nearest_ = MinimumImage(box);
     lists_.stretch(box, factor);
   }
+  /// The box has been sheared by this strain along its tilt, with all segments in it.
+  void shear(const Box& box, double strain) {
+    nearest_ = MinimumImage(box);
+    lists_.shear(box, strain);
+  }
   /// Lets bonds flow plastically, and returns the elastic energy that this rank's bonds lost. To be
   /// called after an evaluation, before segments move.
   ExactSum flow(State& state) const;

@@ -45,6 +45,8 @@ class ListKeeper {
 
   /// The box has been strained by these factors, with all segments in it. Motion counts from there.
   void stretch(const Box& box, const std::array<double, 3>& factor);
+  /// The box has been sheared by this strain along its tilt, with all segments in it.
+  void shear(const Box& box, double strain);
 
   /// Has the segment, now at `x`, moved so far that a pair might be missing from the drawn ones?
   bool moved(const double* x, int i) const {

@@ -1,7 +1,8 @@
 /// The periodic box as a testing machine (model.md 21): each periodic direction is held, strained
-/// at a rate or by a program, or driven by a servo to a stress. The segments' centres go with the
-/// box, their velocities against it (v -> v/lambda), so that its work is the stress times the
-/// change of strain.
+/// at a rate or by a program, or driven by a servo to a stress. So is one shear: the images across
+/// one axis slide along another. The segments' centres go with the box, their velocities against it
+/// (v -> v/lambda, v_x -> v_x - gamma v_y), so that its work is the stress times the change of
+/// strain.
 #pragma once
 
 #include <array>
@@ -35,12 +36,16 @@ class BoxDrive {
   /// Strains the box by what belongs to a step of `dt` that begins at `time`, and takes the
   /// segments along. Books the work in `external` on rank 0.
   void strain(State& state, ForceField& forces, double time, double dt, ExactSum& external);
-  /// Takes note of the stress (xx, yy, zz, GPa), which sets the rates of driven directions.
-  void note(const State& state, const ForceField& forces, const std::array<double, 6>& stress,
+  /// Takes note of the stress (that of `boxStress`), which sets the rates of driven directions.
+  void note(const State& state, const ForceField& forces, const std::array<double, 9>& stress,
             ExactSum& external);
 
   /// Strain of each direction since the start.
   std::array<double, 3> strains(const Box& box) const;
+  /// "xy", "xz" or "yz" when the images across the second axis slide along the first; else null.
+  const char* shears() const;
+  /// Strain of shear since the start.
+  double shear() const { return shear_ - shearStart_; }
   /// Volume to which the stress refers.
   double volume(const Box& box) const;
 
@@ -53,20 +58,33 @@ class BoxDrive {
     double until = 0;   ///< strain at which it stops; 0: it does not
     std::optional<StrainProgram> legs;
 
-    void read(Options& options, const UnitSystem& units, const std::string& name);
+    /// `least`: smallest strain.
+    void read(Options& options, const UnitSystem& units, const std::string& name, double least);
     /// The box's length after a step; `grown`: how far the ramp is.
     double nextLength(double length, double start, double time, double dt, double grown) const;
+    /// The strain of shear after a step.
+    double nextShear(double strain, double time, double dt, double grown) const;
+    std::string text(const char* time) const;
   };
+
+  void attachShear(const Box& box, const RunRecord& record, bool restart);
+  /// Strain along the three axes, and by shear; both return the work.
+  double stretch(State& state, ForceField& forces, double time, double dt, double grown);
+  double slide(State& state, ForceField& forces, double time, double dt, double grown);
 
   double unit_;  ///< GPa in internal units
   const char* time_;
   bool active_ = false;
-  std::array<Axis, 3> axes_;
+  static constexpr std::size_t none = 6;
+  std::array<Axis, 6> axes_;    ///< x, y, z, xy, xz, yz
+  std::size_t sheared_ = none;  ///< place of the one shear that is not held
   long interval_ = 20;
   double ramp_ = 0, thickness_ = 0, modulus_ = 0, relaxes_ = 0, most_ = 0;
-  std::array<double, 3> start_{};   ///< lengths of the box at the start
-  std::array<double, 3> stress_{};  ///< when last measured, GPa
-  std::array<double, 3> since_{};   ///< logarithmic strain since then
+  std::array<double, 3> start_{};            ///< lengths of the box at the start
+  std::array<double, 3> stress_{};           ///< when last measured, GPa
+  std::array<double, 3> since_{};            ///< logarithmic strain since then
+  double shear_ = 0, shearStart_ = 0;        ///< slide over the length across, of a straight box 0
+  double shearStress_ = 0, shearSince_ = 0;  ///< as stress_ and since_
 };
 
 }  // namespace nanoweft

@@ -14,10 +14,10 @@ namespace nanoweft {
 class StrainProgram {
  public:
   /// `pairs`: strain, rate, strain, rate, ... `ramp`: time of acceleration; empty: that of 0.01
-  /// strain at full rate, for each leg. `name`: of the option. Throws InputError for what is no
-  /// program.
+  /// strain at full rate, for each leg. `name`: of the option. Strains must be above `least`.
+  /// Throws InputError for what is no program.
   StrainProgram(const std::vector<double>& pairs, std::optional<double> ramp,
-                const std::string& name = "-tension_program");
+                const std::string& name = "-tension_program", double least = -1);
 
   /// Starts at a strain. Throws InputError when the first leg leads nowhere.
   void begin(double time, double strain);

@@ -44,7 +44,7 @@ std::array<double, 6> gageStress(const State& state, const Domain& domain, const
 
 /// The same tensor of all bonds, pairs, links and segments of a periodic box, over a volume.
 /// Collective.
-std::array<double, 6> boxStress(const State& state, const Domain& domain, const ForceField& forces,
+std::array<double, 9> boxStress(const State& state, const Domain& domain, const ForceField& forces,
                                 double volume, const UnitSystem& units);
 
 /// The part of each carrier (carriers.hpp) in the axial component of that stress, GPa. Collective.

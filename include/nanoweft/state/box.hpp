@@ -1,4 +1,4 @@
-/// The simulation box: open or periodic in each direction.
+/// The simulation box: open or periodic in each direction, straight or tilted.
 #pragma once
 
 #include <array>
@@ -18,33 +18,60 @@ stdx::simd<T, Abi> roundToNearest(const stdx::simd<T, Abi>& x) {
   return nearbyint(x);
 }
 
+/// Of a box whose images slide: the period across axis `across` (> `along`) also leads by `way`
+/// along axis `along`. Both are periodic. `way` 0: the box is straight.
+struct Tilt {
+  int along = 0, across = 1;
+  double way = 0;
+
+  explicit operator bool() const { return way != 0; }
+  /// Of this pair of axes among xy, xz, yz.
+  int place() const { return along + across - 1; }
+  static Tilt ofPair(int place, double way) { return {place / 2, 1 + (place + 1) / 2, way}; }
+  bool operator==(const Tilt&) const = default;
+};
+
 struct Box {
   std::array<double, 3> lower{}, upper{};
   std::array<bool, 3> periodic{};
+  Tilt tilt;
 
   double length(int d) const { return upper[d] - lower[d]; }
 
   /// Brings a position into the box in the periodic directions and counts the wraps. A position
-  /// that is inside keeps its bits, so wrapping at any time gives the same trajectory.
+  /// that is inside keeps its bits, so wrapping at any time gives the same trajectory. Positions in
+  /// a tilted box, too, lie between the corners: the images slide, not the box.
   void wrap(double* x, std::int32_t* image) const {
-    for (int d = 0; d < 3; ++d) {
+    // A turn across the tilt moves the point along it, so that axis comes first.
+    for (int d = 2; d >= 0; --d) {
       if (!periodic[d] || (x[d] >= lower[d] && x[d] < upper[d])) continue;
       const double turns = std::floor((x[d] - lower[d]) / length(d));
       x[d] -= turns * length(d);
       image[d] += static_cast<std::int32_t>(turns);
+      if (d == tilt.across) x[tilt.along] -= turns * tilt.way;
       // A tiny negative offset rounds up to the upper face, which is the lower face.
       if (x[d] >= upper[d]) {
         x[d] = lower[d];
         ++image[d];
+        if (d == tilt.across) x[tilt.along] -= tilt.way;
       } else if (x[d] < lower[d]) {
         x[d] = lower[d];
       }
     }
   }
+
+  /// The position without wraps, continuous in time.
+  Vec3d unwrapped(const double* x, const std::int32_t* image) const {
+    double at[3];
+    for (int d = 0; d < 3; ++d) at[d] = x[d] + image[d] * length(d);
+    at[tilt.along] += image[tilt.across] * tilt.way;
+    return {at[0], at[1], at[2]};
+  }
 };
 
 /// Minimum-image differences. The difference is reduced, never the positions, so it is exactly
-/// antisymmetric. In open directions both factors are zero and nothing changes.
+/// antisymmetric. In open directions both factors are zero and nothing changes. In a tilted box,
+/// too, two points closer than half the lengths of the box find each other.
 class MinimumImage {
  public:
   explicit MinimumImage(const Box& box) {
@@ -53,11 +80,18 @@ class MinimumImage {
       inverse_[d] = box.periodic[d] ? 1.0 / box.length(d) : 0.0;
       any_ = any_ || box.periodic[d];
     }
+    tilted_ = static_cast<bool>(box.tilt);
+    if (tilted_) slide_[box.tilt.place()] = box.tilt.way;
   }
 
   template <class V>
   Vec3<V> operator()(Vec3<V> d) const {
     if (!any_) return d;
+    if (tilted_) {
+      const V z = roundToNearest(V(d.z * inverse_[2]));
+      d.x -= slide_[0] * roundToNearest(V(d.y * inverse_[1])) + slide_[1] * z;
+      d.y -= slide_[2] * z;
+    }
     d.x -= period_[0] * roundToNearest(V(d.x * inverse_[0]));
     d.y -= period_[1] * roundToNearest(V(d.y * inverse_[1]));
     d.z -= period_[2] * roundToNearest(V(d.z * inverse_[2]));
@@ -66,7 +100,8 @@ class MinimumImage {
 
  private:
   double period_[3], inverse_[3];
-  bool any_ = false;
+  double slide_[3] = {};  ///< of images: along x across y, along x across z, along y across z
+  bool any_ = false, tilted_ = false;
 };
 
 }  // namespace nanoweft

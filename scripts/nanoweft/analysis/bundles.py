@@ -33,6 +33,8 @@ class Fabric:
 
     def __init__(self, state: State, distance: float, length: float | None = None) -> None:
         self.position, first, second, _ = find_tubes(state)
+        if state.tilt.any():
+            raise Unusable("its box is tilted by shear, across which neighbours are not looked for")
         bonded = first != second
         first, second = first[bonded], second[bonded]
         self.fibre = np.unique(state["fibre"], return_inverse=True)[1]
