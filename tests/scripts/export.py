@@ -226,6 +226,21 @@ class Export(FolderTest):
         self.expect_export("in.h5", "-o", "there.xyz", "--force")
         self.assertEqual(len(read_xyz(self.path("there.xyz"))), 1)
 
+    def test_tilted_box(self):
+        write_state(self.path("in.h5"), np.array([[1.0, 2, 3], [4, 5, 2]]),
+                    image=np.array([[0, 0, 0], [1, -2, 0]]))
+        with h5py.File(self.path("in.h5"), "r+") as file:
+            file["state"].attrs["tilt"] = [4.0, 0, 0]
+        self.expect_export("in.h5", "-o", "out.xyz", "--unwrap")
+        frame, = read_xyz(self.path("out.xyz"))
+        self.assertEqual(frame["Lattice"], "20 0 0 4 30 0 0 0 10")
+        np.testing.assert_array_equal(frame["pos"], [[1, 2, 3], [4 + 20 - 8, 5 - 60, 2]])
+        self.expect_export("in.h5", "-o", "out.dump")
+        with open(self.path("out.dump")) as file:
+            lines = file.read().splitlines()
+        self.assertEqual(lines[4:8], ["ITEM: BOX BOUNDS xy xz yz pp pp ff", "-10 14 4", "0 30 0",
+                                      "-5 5 0"])
+
     def test_damaged_data_are_refused(self):
         position = np.full((3, 3), 1.2345678)
         write_state(self.path("in.h5"), position)
