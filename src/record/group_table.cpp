@@ -31,6 +31,10 @@ double lengthScale(const Box& box) {
   return scale;
 }
 
+Vec3d unwrapped(const State& state, int i) {
+  return state.box.unwrapped(state.pose + 8 * i, state.image + 3 * i);
+}
+
 /// A sum of vectors over the segments of a group, of all ranks.
 class VectorSum {
  public:
@@ -61,7 +65,7 @@ Vec3d meanPosition(const State& state, const Boundary& group) {
   VectorSum sum(lengthScale(state.box));
   std::int64_t members = 0;
   forMembers(state, group, [&](int i) {
-    sum.add(state.box.unwrapped(state.pose + 8 * i, state.image + 3 * i));
+    sum.add(unwrapped(state, i));
     ++members;
   });
   MPI_Allreduce(MPI_IN_PLACE, &members, 1, MPI_INT64_T, MPI_SUM, state.comm());

@@ -21,6 +21,7 @@ constexpr double T = tube::length;
 void setTilt(const std::string& file, const std::vector<double>& tilt) {
   h5::Handle f(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
+  if (H5Aexists(group, "tilt") > 0) H5Adelete(group, "tilt");
   ASSERT_TRUE(h5::writeAttribute(group, "tilt", tilt));
 }
 
@@ -64,11 +65,11 @@ TEST(Shear, ATiltOfHalfTheBoxIsAStraightBoxOfTwice) {
     std::vector<double> tilt;
     Vec3d copy;    // where the second copy of the tilted box lies
     Vec3d length;  // of the straight box of both
-  } cases[] = {{{80, 0, 0}, {80, 170, 0}, {160, 340, 180}},
-               {{0, -80, 0}, {-80, 0, 180}, {160, 170, 360}},
-               {{0, 0, 85}, {0, 85, 180}, {160, 170, 360}},
+    int ranks;
+  } cases[] = {{{80, 0, 0}, {80, 170, 0}, {160, 340, 180}, 3},
+               {{0, -80, 0}, {-80, 0, 180}, {160, 170, 360}, 1},
                // A whole turn is none.
-               {{240, 0, 0}, {80, 170, 0}, {160, 340, 180}}};
+               {{0, 0, 255}, {0, 85, 180}, {160, 170, 360}, 1}};
   for (const auto& c : cases) {
     const Folder tilted, straight;
     auto fibres = randomFibres(size, 40);
@@ -82,7 +83,7 @@ TEST(Shear, ATiltOfHalfTheBoxIsAStraightBoxOfTwice) {
     }
     writeState(straight / "in.h5", fibres,
                {{0, 0, 0}, {c.length.x, c.length.y, c.length.z}, {true, true, true}});
-    const Still one = standing(tilted, 3), two = standing(straight, 1);
+    const Still one = standing(tilted, c.ranks), two = standing(straight, 1);
     EXPECT_NE(one.energy, 0);
     EXPECT_NEAR(2.0 * one.energy / two.energy, 1.0, 1e-12);
     ASSERT_EQ(2 * one.force.size(), two.force.size());
@@ -93,39 +94,52 @@ TEST(Shear, ATiltOfHalfTheBoxIsAStraightBoxOfTwice) {
   }
 }
 
-TEST(Shear, ATriangularLatticeOfSpringsHasItsShearModulus) {
-  // Single segments as nodes, springs of the constant k between neighbours: mu = sqrt(3)/4 k over
-  // the thickness.
-  const int nx = 8, ny = 8;
-  const double a = 60, rise = a * std::sqrt(0.75), k = 2.0, strain = 2e-4;
+/// Writes a triangular lattice of 8 x 8 single segments, displaced at random by up to `off`, with
+/// springs between neighbours.
+struct Lattice {
+  static constexpr int n = 8;
+  static constexpr double a = 60, rise = a * 0.8660254037844386, area = n * a * n * rise;
+};
+void writeLattice(const std::string& file, double off) {
+  constexpr int n = Lattice::n;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> part(-off, off);
   std::vector<FibreInput> nodes;
   std::vector<LinkEnds> links;
-  auto node = [&](int i, int j) { return (j % ny) * nx + (i % nx + nx) % nx; };
-  for (int j = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i) {
+  auto node = [&](int i, int j) { return (j % n) * n + (i % n + n) % n; };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
       const int odd = j % 2;
-      nodes.push_back(
-          straightFibre({(i + 0.5 * odd + 0.1) * a, (j + 0.1) * rise, 0}, {1, 0, 0}, 1));
+      nodes.push_back(straightFibre({(i + 0.5 * odd + 0.1) * Lattice::a + part(random),
+                                     (j + 0.1) * Lattice::rise + part(random), 0},
+                                    {1, 0, 0}, 1));
       for (const int other : {node(i + 1, j), node(i + odd, j + 1), node(i + odd - 1, j + 1)})
         links.push_back({node(i, j), 0, other, 0});
     }
+  writeState(file, nodes,
+             {{0, 0, -50}, {n * Lattice::a, n * Lattice::rise, 50}, {true, true, false}});
+  setLinks(file, links);
+}
+const std::string springs = fileScene +
+                            "-pair none -link_law spring -link_stretch 2 -deform_xy rate "
+                            "-deform_thickness 10 -deform_interval 1 ";
+
+TEST(Shear, ATriangularLatticeOfSpringsHasItsShearModulus) {
+  // Springs of the constant k: mu = sqrt(3)/4 k over the thickness.
   const Folder folder;
-  writeState(folder / "in.h5", nodes, {{0, 0, -50}, {nx * a, ny * rise, 50}, {true, true, false}});
-  setLinks(folder / "in.h5", links);
-  const auto outcome =
-      run(folder,
-          fileScene +
-              "-pair none -link_law spring -link_stretch 2 -deform_xy rate -deform_xy_rate 1e-6 "
-              "-deform_xy_until 2e-4 -deform_thickness 10 -deform_interval 1 -ts_dt 10 "
-              "-ts_max_steps 40 -monitor_interval 40",
-          2);
+  writeLattice(folder / "in.h5", 0);
+  const auto outcome = run(folder,
+                           springs +
+                               "-deform_xy_rate 1e-6 -deform_xy_until 2e-4 -ts_dt 10 "
+                               "-ts_max_steps 40 -monitor_interval 40",
+                           2);
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto box = readCsv(folder / "box.csv"), energy = readCsv(folder / "energy.csv");
-  const double mu = std::sqrt(3) / 4 * k / 10;
+  const double mu = std::sqrt(3) / 4 * 2 / 10, strain = 2e-4;
   EXPECT_NEAR(box.at("strain_xy").back(), strain, 1e-12);
   EXPECT_NEAR(box.at("xy_GPa").back() * gigapascal / (mu * strain), 1.0, 1e-3);
   EXPECT_NEAR(box.at("xx_GPa").back() * gigapascal, 0.0, 1e-3 * mu * strain);
-  const double work = 0.5 * mu * strain * strain * nx * a * ny * rise * 10;
+  const double work = 0.5 * mu * strain * strain * Lattice::area * 10;
   EXPECT_NEAR(energy.at("total").back() / work, 1.0, 1e-3);
   EXPECT_NEAR(energy.at("external").back() / work, 1.0, 1e-3);
 }
@@ -190,22 +204,20 @@ TEST(Shear, AFibreBondedThroughTheSlidingFaceIsStretchedByTheTilt) {
 }
 
 TEST(Shear, TheWorkOfTheBoxBalances) {
+  // A lattice out of order, whose nodes do not simply follow the box.
   std::vector<double> errors;
   for (const int refined : {1, 2, 4}) {
     const Folder folder;
+    writeLattice(folder / "in.h5", 12);
     const auto outcome =
-        run(folder,
-            "-weave_fibres 4,4 -weave_segments 20 -weave_periodic -scene_perturb 0.1 "
-            "-deform_xy rate -deform_xy_rate 1e-5 -deform_interval 1 -deform_thickness 20 "
-            "-progress_interval 0 -energy_monitor ascii:energy.csv -monitor_interval " +
-                std::to_string(100 * refined) + " -ts_dt " + std::to_string(16.0 / refined) +
-                " -ts_max_steps " + std::to_string(400 * refined));
+        run(folder, springs + "-deform_xy_rate 1e-5 -monitor_interval " +
+                        std::to_string(20 * refined) + " -ts_dt " + std::to_string(40.0 / refined) +
+                        " -ts_max_steps " + std::to_string(1000 * refined));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto energy = readCsv(folder / "energy.csv");
     double error = 0;
     for (std::size_t k = 0; k < energy.at("total").size(); ++k)
-      error = std::max(error, std::abs(energy.at("total")[k] - energy.at("total")[0] -
-                                       energy.at("external")[k]));
+      error = std::max(error, std::abs(energy.at("total")[k] - energy.at("external")[k]));
     EXPECT_GT(energy.at("external").back(), 100 * error);
     errors.push_back(error);
   }
@@ -228,7 +240,7 @@ TEST(Shear, WhatCannotBeMeantIsRefused) {
                {periodic + "-deform_xy rate", {"-deform_xy_rate"}},
                {periodic + "-deform_xy rate -deform_xy_rate fast", {"-deform_xy_rate", "fast"}},
                {periodic + "-deform_xy rate -deform_xy_rate 1e-6 -walls floor -floor_axis 0,0,1 "
-                           "-floor_point 0,0,-50",
+                           "-floor_modulus 10 -floor_point 0,0,-50",
                 {"-deform_xy", "-walls"}}};
   for (const auto& c : cases) expectRefused(runAlone(folder, c.options), c.says);
 
