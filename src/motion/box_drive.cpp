@@ -119,6 +119,7 @@ std::string BoxDrive::text() const {
 }
 
 void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
+  for (std::size_t d = 0; d < 3; ++d) start_[d] = box.length(static_cast<int>(d));
   if (!active_) return;
   int open = 0;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -126,7 +127,6 @@ void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
     if (!box.periodic[d] && axes_[d].mode != held)
       throw InputError(
           format("-deform_%s: the box is open along %s (-domain_periodic)", names[d], names[d]));
-    start_[d] = box.length(static_cast<int>(d));
   }
   if (thickness_ > 0 && open != 1)
     throw InputError(

@@ -85,6 +85,7 @@ TEST(Shear, ATiltOfHalfTheBoxIsAStraightBoxOfTwice) {
                {{0, 0, 0}, {c.length.x, c.length.y, c.length.z}, {true, true, true}});
     const Still one = standing(tilted, c.ranks), two = standing(straight, 1);
     EXPECT_NE(one.energy, 0);
+    EXPECT_EQ(readCsv(tilted / "box.csv").at("strain_x").back(), 0);
     EXPECT_NEAR(2.0 * one.energy / two.energy, 1.0, 1e-12);
     ASSERT_EQ(2 * one.force.size(), two.force.size());
     double largest = 0;
