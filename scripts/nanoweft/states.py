@@ -67,7 +67,8 @@ class State:
     kinds: Kinds = Kinds()
     values: Array | None = None  # a number for each segment, where one was asked for
     links: Array = field(default_factory=no_links)  # [L,2]: rows of both ends of each whole link
-    tilt: Array = field(default_factory=straight)  # slides of the images: x across y, x across z, y across z
+    # Slides of the images: along x across y, along x across z, along y across z.
+    tilt: Array = field(default_factory=straight)
 
     def __len__(self) -> int:
         return len(self.rows["position"])

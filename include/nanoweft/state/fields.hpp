@@ -36,7 +36,7 @@ struct SegmentFields {
   std::int32_t* chain = nullptr;  ///< [2]: index along the fibre, number of segments of the fibre
   std::int32_t* bond = nullptr;   ///< BondBits
   std::int32_t* group = nullptr;  ///< bit mask
-  std::int32_t* image = nullptr;  ///< [3], periodic wraps: unwrapped = position + image * box
+  std::int32_t* image = nullptr;  ///< [3], periodic wraps, see Box::unwrapped
   /// [4], with breakage only. Bit b of the first two: a bond between this segment and the one b
   /// places on (back) is broken; of the last two: that pair has been apart since, so it interacts.
   std::int64_t* gap = nullptr;
