@@ -243,16 +243,16 @@ TEST(Shear, WhatCannotBeMeantIsRefused) {
                {periodic + "-deform_xy rate -deform_xy_rate 1e-6 -walls floor -floor_axis 0,0,1 "
                            "-floor_modulus 10 -floor_point 0,0,-50",
                 {"-deform_xy", "-walls"}}};
-  for (const auto& c : cases) expectRefused(runAlone(folder, c.options), c.says);
+  for (const auto& c : cases) expectRefused(run(folder, c.options), c.says);
 
   writeState(folder / "in.h5", {straightFibre({50, 50, 50}, {1, 0, 0}, 2)},
              {{0, 0, 0}, {300, 300, 300}, {true, true, true}});
   setTilt(folder / "in.h5", {40, 0, 0});
   const std::string file = "-scene file -scene_file in.h5 -ts_max_steps 1 ";
-  expectRefused(runAlone(folder, file + "-domain_periodic 0,0,0"), {"-domain_periodic", "tilted"});
-  expectRefused(runAlone(folder, file + "-deform_xz free"), {"-deform_xz", "xy"});
+  expectRefused(run(folder, file + "-domain_periodic 0,0,0"), {"-domain_periodic", "tilted"});
+  expectRefused(run(folder, file + "-deform_xz free"), {"-deform_xz", "xy"});
   setTilt(folder / "in.h5", {40, 10, 0});
-  expectRefused(runAlone(folder, file), {"tilt", "at most one"});
+  expectRefused(run(folder, file), {"tilt", "at most one"});
 }
 
 }  // namespace
