@@ -42,8 +42,9 @@ namespace nanoweft {
 std::array<double, 6> gageStress(const State& state, const Domain& domain, const ForceField& forces,
                                  const Tension& tension, const UnitSystem& units);
 
-/// The same tensor of all bonds, pairs, links and segments of a periodic box, over a volume.
-/// Collective.
+/// The same tensor of all bonds, pairs, links and segments of a periodic box, over a volume; and
+/// yx, zx, zy: the forces along the second axis through faces across the first, which differ from
+/// the means xy, xz, yz while segments turn. Collective.
 std::array<double, 9> boxStress(const State& state, const Domain& domain, const ForceField& forces,
                                 double volume, const UnitSystem& units);
 
