@@ -58,6 +58,8 @@ class Sample:
         self.box = np.where(state.periodic, state.box, np.inf)
         if not (state.box > 0).all():
             raise Unusable(f"{name}: upper is not above lower")
+        if state.tilt.any():
+            raise Unusable(f"{name}: its box is tilted by shear, which is not analysed")
         number = np.unique(state["fibre"], return_inverse=True)[1]
         order = state.in_order()
         order, whole, ring = self.along_chains(order, number[order])
