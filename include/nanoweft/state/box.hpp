@@ -34,7 +34,7 @@ struct Tilt {
 struct Box {
   std::array<double, 3> lower{}, upper{};
   std::array<bool, 3> periodic{};
-  Tilt tilt;
+  Tilt tilt{};
 
   double length(int d) const { return upper[d] - lower[d]; }
 
