@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "nanoweft/base/error.hpp"
-#include "nanoweft/scene/scene.hpp"
+#include "nanoweft/scene/scenes.hpp"
 
 namespace nanoweft {
 

@@ -1,6 +1,6 @@
 /// Scene `file`: segments from a state file (src/manual/file_format.md).
 #include "nanoweft/base/error.hpp"
-#include "nanoweft/scene/scene.hpp"
+#include "nanoweft/scene/scenes.hpp"
 
 namespace nanoweft {
 

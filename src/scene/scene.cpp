@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/scene/scenes.hpp"
 
 namespace nanoweft {
 
@@ -10,15 +11,28 @@ namespace {
 
 struct Entry {
   const char* name;
-  std::unique_ptr<Scene> (*make)(Options&, const SceneContext&, SceneUse);
+  MakeScene* make;
 };
 
 // One line registers a scene.
+// clang-format off
 constexpr Entry scenes[] = {
     {"weave", makeWeaveScene},
     {"fibre", makeFibreScene},
+    {"bundle", makeBundleScene},
+    {"ring", makeRingScene},
+    {"racket", makeRacketScene},
+    {"helix", makeHelixScene},
+    {"rope", makeRopeScene},
+    {"film", makeFilmScene},
+    {"network", makeNetworkScene},
+    {"array", makeArrayScene},
+    {"braid", makeBraidScene},
+    {"knit", makeKnitScene},
+    {"text", makeTextScene},
     {"file", makeFileScene},
 };
+// clang-format on
 
 }  // namespace
 

@@ -1,5 +1,6 @@
-/// Scene `weave`: a plain weave of two families of fibres, along x and along y, that pass over and
-/// under each other in turn (model.md 8).
+/// Scene `weave`: two families of fibres, along x and along y, that pass over and under each other.
+/// Other patterns than the plain one of single fibres in one layer are in fabric.cpp. The plain one
+/// (model.md 8):
 ///
 /// Each fibre follows z = +-A cos(pi (s/p - 1/2)) with the pitch p between crossings, so that at a
 /// crossing the two are 2A apart: -weave_gap, by default the distance where two fibres rest.
@@ -10,7 +11,8 @@
 #include <numbers>
 
 #include "nanoweft/base/error.hpp"
-#include "nanoweft/scene/scene.hpp"
+#include "nanoweft/scene/fabric.hpp"
+#include "nanoweft/scene/scenes.hpp"
 
 namespace nanoweft {
 
@@ -252,7 +254,15 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
   p.shaped =
       s.choice("weave_rest", "straight", {"straight", "shaped"},
                "shape of the fibres at rest: that of their kind, or the woven one") == "shaped";
+  FabricParameters fabric = readFabric(s);
   if (use != SceneUse::start) return nullptr;
+  if (fabric.asked()) {
+    fabric.count = {p.alongX, p.alongY};
+    fabric.segments = p.segments, fabric.kinds = {p.kindX, p.kindY};
+    fabric.pitch = p.pitch, fabric.gap = p.gap;
+    fabric.periodic = p.periodic, fabric.shaped = p.shaped;
+    return makeFabric(fabric, context);
+  }
   if (p.periodic && (p.alongX % 2 || p.alongY % 2))
     throw InputError("-weave_fibres: a periodic plain weave needs even numbers");
   const double total = static_cast<double>(p.alongX + p.alongY) * p.segments;

@@ -34,7 +34,10 @@ enum class Purpose : std::uint32_t {
   links = 5,  ///< of the first kind of link
   heatKey = 6,
   heatVelocity = 7,
-  heatSpin = 8
+  heatSpin = 8,
+  sceneKind = 9,
+  scenePlace = 10,
+  sceneShape = 11
 };
 
 /// For the links of a kind.

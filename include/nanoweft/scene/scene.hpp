@@ -1,5 +1,6 @@
 /// The interface of scenes, which make the segments that a run starts from (a weave, one fibre, a
-/// state file). A new one is one file and one line in scene.cpp's table.
+/// state file). A new one is one file, one line in
+/// scenes.hpp and one in scene.cpp's table.
 #pragma once
 
 #include <functional>
@@ -24,6 +25,7 @@ struct SceneContext {
   const Kinds& kinds;
   MPI_Comm comm;
   std::function<double(int, int)> restDistance;  ///< of two fibres of such kinds that touch
+  std::uint64_t seed;                            ///< of all random numbers
 };
 
 /// The poses of one fibre's segments.
@@ -53,6 +55,8 @@ class Scene {
   /// The file that the state comes from, where it comes from one.
   virtual const StateHeader* header() const { return nullptr; }
   virtual std::string file() const { return ""; }
+  /// What was laid and how densely, a line for the header of a run; may be empty.
+  virtual std::string packing() const { return ""; }
 };
 
 /// What a run wants of one of the scenes.
@@ -70,6 +74,30 @@ std::vector<int> readSceneKinds(OptionSection& section, const std::string& optio
 /// Reads -scene and the options of the scenes. With a restart, no scene is made.
 std::unique_ptr<Scene> readScene(Options& options, const SceneContext& context, bool restarting);
 
+/// The place of a fibre's first segment in the order of all.
+struct FibreStart {
+  std::int64_t row, fibre;
+};
+
+/// Puts a fibre's segments into the points of the state from `i` on.
+inline void putFibre(State& state, int i, const FibreStart& start, const FibreGeometry& geometry) {
+  const auto segments = static_cast<int>(geometry.position.size());
+  for (int k = 0; k < segments; ++k, ++i) {
+    const auto at = static_cast<std::size_t>(k);
+    state.row[i] = start.row + k;
+    state.fibre[i] = start.fibre;
+    state.chain[2 * i] = k;
+    state.chain[2 * i + 1] = segments;
+    state.bond[i] = geometry.closed ? fibreClosed : 0;
+    double* x = state.pose + 8 * i;
+    x[0] = geometry.position[at].x, x[1] = geometry.position[at].y, x[2] = geometry.position[at].z;
+    state.setKind(i, geometry.kind);
+    state.setOrientation(i, geometry.orientation[at]);
+    if (!geometry.rest.empty()) setRest(state, i, geometry.rest[at]);
+    state.box.wrap(x, state.image + 3 * i);
+  }
+}
+
 /// For scenes that generate fibres: numbers `fibres` fibres of `segments` segments each and appends
 /// this rank's share, made by `make(fibre)`.
 template <class Make>
@@ -79,30 +107,9 @@ void fillFibres(State& state, std::int64_t fibres, int segments, const Make& mak
   requireMemory(state.comm(), (last - first) * segments);
   state.addOwned(static_cast<int>((last - first) * segments));
   int i = 0;
-  for (std::int64_t f = first; f < last; ++f) {
-    const FibreGeometry geometry = make(f);
-    for (int k = 0; k < segments; ++k, ++i) {
-      const auto at = static_cast<std::size_t>(k);
-      state.row[i] = f * segments + k;
-      state.fibre[i] = f;
-      state.chain[2 * i] = k;
-      state.chain[2 * i + 1] = segments;
-      state.bond[i] = geometry.closed ? fibreClosed : 0;
-      double* x = state.pose + 8 * i;
-      x[0] = geometry.position[at].x, x[1] = geometry.position[at].y,
-      x[2] = geometry.position[at].z;
-      state.setKind(i, geometry.kind);
-      state.setOrientation(i, geometry.orientation[at]);
-      if (!geometry.rest.empty()) setRest(state, i, geometry.rest[at]);
-      state.box.wrap(x, state.image + 3 * i);
-    }
-  }
+  for (std::int64_t f = first; f < last; ++f, i += segments)
+    putFibre(state, i, {f * segments, f}, make(f));
   state.countTotal();
 }
-
-// The scenes. Each reads its own options, and makes a scene where the run starts from it.
-std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& context, SceneUse use);
-std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& context, SceneUse use);
-std::unique_ptr<Scene> makeFileScene(Options& options, const SceneContext& context, SceneUse use);
 
 }  // namespace nanoweft

@@ -1,0 +1,247 @@
+/// Scene `film`: fibres with places and directions by lot in the plane, either in flat layers, in
+/// each of which none overlap, or deposited one after another on a flat ground. Each of these comes
+/// to lie as low as those below it let it: on top of what it crosses, and between crossings down
+/// again, as steeply as it may.
+///
+/// Where a fibre comes to lie depends on those before it, so every rank lays all of them: 24 bytes
+/// and a piece of the crowd a segment.
+#include <algorithm>
+#include <cmath>
+
+#include "nanoweft/base/error.hpp"
+#include "nanoweft/base/pieces.hpp"
+#include "nanoweft/scene/scenes.hpp"
+#include "nanoweft/scene/worm.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// Segments to either side over which a fibre rounds off where it comes down.
+constexpr int rounding = 1;
+
+/// The highest (or, for `mean`, the mean) of so many neighbours to either side.
+template <class Choose>
+std::vector<double> overNeighbours(const std::vector<double>& z, int reach, const Choose& choose) {
+  std::vector<double> result;
+  const auto n = static_cast<int>(z.size());
+  for (int k = 0; k < n; ++k)
+    result.push_back(
+        choose(z.begin() + std::max(0, k - reach), z.begin() + std::min(n, k + reach + 1)));
+  return result;
+}
+
+/// The lowest heights, at places a step apart, that are nowhere below `need` and nowhere steeper.
+std::vector<double> drape(std::vector<double> need, double rise) {
+  const std::size_t n = need.size();
+  for (std::size_t k = 1; k < n; ++k) need[k] = std::max(need[k], need[k - 1] - rise);
+  for (std::size_t k = n - 1; k-- > 0;) need[k] = std::max(need[k], need[k + 1] - rise);
+  // Means of the highest of all that they contain stay above each of those.
+  auto highest = [](auto from, auto to) { return *std::max_element(from, to); };
+  auto mean = [](auto from, auto to) {
+    double sum = 0;
+    for (auto z = from; z != to; ++z) sum += *z;
+    return sum / static_cast<double>(to - from);
+  };
+  std::vector<double> z = overNeighbours(need, 2 * rounding, highest);
+  for (int k = 0; k < 2; ++k) z = overNeighbours(z, rounding, mean);
+  return z;
+}
+
+/// A line through the points, straight between them; the middle one is at 0.
+Curve through(const std::vector<Vec3d>& points, double step) {
+  return [points, step](double u) {
+    const auto last = static_cast<double>(points.size() - 2);
+    const double s = u / step + static_cast<double>(points.size() / 2);
+    const double piece = std::clamp(std::floor(s), 0.0, last);
+    const auto k = static_cast<std::size_t>(piece);
+    return points[k] + (s - piece) * (points[k + 1] - points[k]);
+  };
+}
+
+class Film {
+ public:
+  Film(const Box& box, double slope, int layers, const KindMix& mix, const SceneContext& context)
+      : box_(box),
+        slope_(slope),
+        layers_(layers),
+        // Round-off must not bring layers nearer than the gap.
+        pile_(mix.widest() * (1.0 + 1e-9)),
+        mix_(mix),
+        seed_(context.seed),
+        crowd_(box, mix.widest() + context.kinds.longest()) {}
+
+  /// False: no trial found a place.
+  bool lay(std::int64_t f, int segments, double persistence) {
+    const int kind = mix_.of(f);
+    const double T = mix_.all()[kind].length;
+    const double height = layers_ > 0 ? pile_ * static_cast<double>(f % layers_) : 0.0;
+    // What is deposited must only keep away from itself.
+    auto taken = [&](const LaidPiece& piece) {
+      return layers_ > 0 ? crowded(crowd_, piece, mix_) : meetsItself(piece);
+    };
+    auto line = growWorm(crowd_, box_, {f, kind, segments, T, persistence, height, seed_}, taken);
+    if (!line) return false;
+    if (layers_ == 0) deposit(*line, f, kind);
+    lines_.push_back(std::move(*line));
+    return true;
+  }
+
+  /// The fibre with its bonds as long as they are at rest, its heights stretched by `factor`.
+  Line laid(std::int64_t f, double factor) const {
+    std::vector<Vec3d> points = lines_[static_cast<std::size_t>(f)].points;
+    for (Vec3d& x : points) x.z *= factor;
+    const double T = mix_.fibre(f).length;
+    return {walk(through(points, T), T, static_cast<int>(points.size()))};
+  }
+
+  double top() const {
+    double top = 0;
+    for (const Line& line : lines_)
+      for (const Vec3d& x : line.points) top = std::max(top, x.z);
+    return top;
+  }
+
+ private:
+  bool meetsItself(const LaidPiece& piece) const {
+    const double gap = mix_.gap(piece.kind, piece.kind);
+    const int few = neighboursApart(gap, 2.0 * piece.half);
+    return crowd_.near(piece.centre, [&](const LaidPiece& other, const Vec3d& d) {
+      return other.fibre == piece.fibre && std::abs(piece.index - other.index) > few &&
+             distanceOfPieces(d, piece.axis, other.axis, {piece.half, other.half}) < gap;
+    });
+  }
+
+  void deposit(Line& line, std::int64_t f, int kind) const {
+    std::vector<double> need;
+    for (const LaidPiece& piece : piecesOf(line, f, kind)) need.push_back(restingOn(piece));
+    const std::vector<double> z = drape(std::move(need), slope_ * mix_.all()[kind].length);
+    for (std::size_t k = 0; k < z.size(); ++k) line.points[k].z = z[k];
+  }
+
+  /// The height at which the piece overlaps none of those below it.
+  double restingOn(const LaidPiece& piece) const {
+    double height = 0;
+    // Fibres that come down at a slope are nearer to each other than they are above each other.
+    const double leaning = std::hypot(1.0, slope_);
+    crowd_.near(piece.centre, [&](const LaidPiece& other, const Vec3d& d) {
+      if (other.fibre == piece.fibre) return false;
+      const double gap = mix_.gap(piece.kind, other.kind);
+      const double beside = distanceOfPieces(d, piece.axis, other.axis, {piece.half, other.half});
+      if (beside >= gap) return false;
+      const auto& under = lines_[static_cast<std::size_t>(other.fibre)].points;
+      const double z = under[static_cast<std::size_t>(other.index)].z + slope_ * other.half;
+      height = std::max(height, z + leaning * std::sqrt(gap * gap - beside * beside));
+      return false;
+    });
+    return height;
+  }
+
+  Box box_;
+  double slope_;
+  int layers_;
+  double pile_;  ///< height of a layer
+  const KindMix& mix_;
+  std::uint64_t seed_;
+  Crowd crowd_;              ///< in layers, or where all is seen from above
+  std::vector<Line> lines_;  ///< a segment length apart in the plane
+};
+
+struct FilmOptions {
+  std::array<double, 2> size{};
+  std::optional<long> fibres;
+  double coverage = 1, slope = 0, persistence = 0;
+  std::optional<double> fraction;
+  int segments = 50, layers = 0;
+  bool periodic = true;
+};
+
+FilmOptions readFilm(OptionSection& s, const SceneContext& context) {
+  FilmOptions p;
+  const double usual = 75.0 * context.kinds[0].length;
+  p.size = {usual, usual};
+  if (auto v = s.reals("film_size", 2, "75 segments each way", context.units.length,
+                       "edges of the film"))
+    p.size = {(*v)[0], (*v)[1]};
+  if (!(p.size[0] > 0) || !(p.size[1] > 0))
+    throw InputError("-film_size: needs two lengths above zero");
+  p.fibres = s.maybeInteger("film_fibres", "by the coverage", "number of fibres", 1, 100000000);
+  p.coverage =
+      s.real("film_coverage", 1.0, "",
+             "area of all fibres, seen from above one by one, over that of the film", positive);
+  if (p.fibres && s.given("film_coverage"))
+    throw InputError("-film_fibres and -film_coverage: give one of them");
+  p.fraction =
+      s.maybeReal("film_fraction", "as laid", "",
+                  "volume fraction, from the ground to the highest fibre", {0.0, 1.0, true});
+  p.segments = static_cast<int>(
+      s.integer("film_segments", 50, "segments of each fibre of the first kind; others are as long",
+                3, 1000000));
+  p.persistence = readPersistence(s, "film", context);
+  p.layers =
+      static_cast<int>(s.maybeInteger("film_layers", "deposited one on another",
+                                      "fibres are laid in so many flat layers instead", 1, 1000000)
+                           .value_or(0));
+  p.slope = s.real("film_slope", 0.2, "", "steepness at which a fibre comes down behind a crossing",
+                   {0.0, 0.5});
+  p.periodic = s.flag("film_periodic", true, "periodic in x and y; else fibres jut out");
+  return p;
+}
+
+/// By how much heights are stretched so that `volume` fills the wanted fraction.
+double stretchFor(const FilmOptions& p, double volume, double top, double thickness) {
+  if (!p.fraction) return 1.0;
+  const double area = p.size[0] * p.size[1], wanted = volume / (area * *p.fraction);
+  const double factor = top > 0 ? (wanted - thickness) / top : 0.0;
+  if (factor < 1.0)
+    throw InputError(
+        format("-film_fraction %g: as laid the film fills a fraction of %.4g; flat layers "
+               "(-film_layers), fewer of them, or a steeper -film_slope make it denser",
+               *p.fraction, volume / (area * (top + thickness))));
+  return factor;
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> makeFilmScene(Options& options, const SceneContext& context, SceneUse use) {
+  OptionSection s(options, "Scene: film", use != SceneUse::none, "-scene is not film");
+  const FilmOptions p = readFilm(s, context);
+  auto mix = std::make_shared<KindMix>(s, "film", context);
+  if (use != SceneUse::start) return nullptr;
+  mix->prepare(context);
+  const double area = p.size[0] * p.size[1];
+  const std::int64_t fibres =
+      p.fibres ? *p.fibres : std::max(1L, std::lround(p.coverage * area / mix->shadow(p.segments)));
+  requireMemory(context.comm, fibres * p.segments, sizeof(Vec3d) + sizeof(LaidPiece));
+  mix->draw(fibres);
+  Box box;
+  box.upper = {p.size[0], p.size[1], 1.0};
+  box.periodic = {p.periodic, p.periodic, false};
+  auto film = std::make_shared<Film>(box, p.slope, p.layers, *mix, context);
+  for (std::int64_t f = 0; f < fibres; ++f)
+    if (!film->lay(f, mix->segments(f, p.segments), p.persistence))
+      throw InputError(
+          format("-scene film: no place for fibre %lld of %lld in %d trials; %s",
+                 static_cast<long long>(f + 1), static_cast<long long>(fibres), wormTrials,
+                 p.layers > 0
+                     ? "more -film_layers, shorter fibres or a shorter -film_persistence make room"
+                     : "it met itself, for which the film is too small"));
+  Laying laying{"film", mix, fibres};
+  laying.segments = [=](std::int64_t f) { return mix->segments(f, p.segments); };
+  const double volume = volumeOf(laying), top = film->top(),
+               thickness = 2.0 * context.kinds.thickest(),
+               factor = stretchFor(p, volume, top, thickness), height = factor * top + thickness,
+               margin = 4.0 * context.kinds.longest();
+  laying.line = [=](std::int64_t f) { return film->laid(f, factor); };
+  if (p.periodic) {
+    box.lower[2] = -margin, box.upper[2] = factor * top + margin;
+    laying.box = box;
+  }
+  laying.space = area * height;
+  laying.also = format("coverage %.4g, thickness %.5g %s",
+                       static_cast<double>(fibres) * mix->shadow(p.segments) / area, height,
+                       context.units.length);
+  return layScene(context, std::move(laying));
+}
+
+}  // namespace nanoweft

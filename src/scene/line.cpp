@@ -1,0 +1,136 @@
+#include "nanoweft/scene/line.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nanoweft {
+
+namespace {
+
+/// How far the parameter goes from `from` until the place is a chord away. `guess`: the step
+/// before.
+double stepAlong(const Curve& curve, double from, double chord, double guess) {
+  const Vec3d start = curve(from);
+  for (int k = 0; k < 100; ++k) {
+    const double distance = norm(curve(from + guess) - start);
+    if (std::abs(distance / chord - 1.0) < 1e-13) break;
+    guess *= std::clamp(chord / distance, 0.5, 2.0);
+  }
+  return guess;
+}
+
+/// The turn that takes one unit vector to another, without twist.
+Quatd leastTurn(const Vec3d& from, const Vec3d& to) {
+  const Vec3d axis = cross(from, to);
+  const double sine = norm(axis), angle = std::atan2(sine, dot(from, to));
+  return rotation((sine > 1e-300 ? angle / sine : 1.0) * axis);
+}
+
+/// The rotations from each segment to the next as they are.
+std::vector<Vec3d> restOf(const FibreGeometry& g) {
+  std::vector<Vec3d> rest(g.orientation.size(), Vec3d{0, 0, 0});
+  const std::size_t bonds = g.closed ? rest.size() : rest.size() - 1;
+  for (std::size_t k = 0; k < bonds; ++k) {
+    const Quatd &q = g.orientation[k], &next = g.orientation[(k + 1) % rest.size()];
+    rest[k] = rotationVector(Quatd{q.w, -q.x, -q.y, -q.z} * next);
+  }
+  return rest;
+}
+
+}  // namespace
+
+std::vector<Vec3d> walk(const Curve& curve, double chord, int count) {
+  std::vector<Vec3d> points(static_cast<std::size_t>(count));
+  const int middle = count / 2;
+  points[static_cast<std::size_t>(middle)] = curve(0.0);
+  for (const int way : {1, -1}) {
+    double u = 0, step = way * chord;
+    for (int k = middle + way; k >= 0 && k < count; k += way) {
+      u += step = stepAlong(curve, u, chord, step);
+      points[static_cast<std::size_t>(k)] = curve(u);
+    }
+  }
+  return points;
+}
+
+std::vector<Vec3d> walkAround(const Curve& curve, double end, int count, double& chord) {
+  std::vector<Vec3d> points(static_cast<std::size_t>(count));
+  for (int trial = 0; trial < 60; ++trial) {
+    double u = 0, step = chord;
+    for (Vec3d& point : points) {
+      point = curve(u);
+      u += step = stepAlong(curve, u, chord, step);
+    }
+    if (std::abs(u / end - 1.0) < 1e-12) break;
+    chord *= end / u;
+  }
+  return points;
+}
+
+Vec3d acrossOf(const Vec3d& axis) {
+  const Vec3d hint = std::abs(axis.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
+  return unitVector(hint - dot(hint, axis) * axis);
+}
+
+std::vector<Vec3d> directionsOf(const Line& line) {
+  const auto& p = line.points;
+  const std::size_t n = p.size();
+  std::vector<Vec3d> t(n);
+  for (std::size_t k = 1; k + 1 < n; ++k) t[k] = unitVector(p[k + 1] - p[k - 1]);
+  if (line.closed) {
+    t[0] = unitVector(p[1] - p[n - 1] + line.round);
+    t[n - 1] = unitVector(p[0] - p[n - 2] + line.round);
+    return t;
+  }
+  if (n < 3) {
+    std::ranges::fill(t, unitVector(p[1] - p[0]));
+    return t;
+  }
+  // End segments lean against their chord as their neighbours do: bending without shear.
+  auto mirrored = [](const Vec3d& e, const Vec3d& chord) {
+    return unitVector(2.0 * dot(e, chord) * chord - e);
+  };
+  t[0] = mirrored(t[1], unitVector(p[1] - p[0]));
+  t[n - 1] = mirrored(t[n - 2], unitVector(p[n - 1] - p[n - 2]));
+  return t;
+}
+
+FibreGeometry geometryOf(Line line, bool shaped) {
+  const std::vector<Vec3d> t = directionsOf(line);
+  FibreGeometry g;
+  g.closed = line.closed;
+  g.position = std::move(line.points);
+  Vec3d across = acrossOf(t[0]);
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    if (k > 0) across = axis2(leastTurn(t[k - 1], t[k]) * g.orientation.back());
+    across = unitVector(across - dot(across, t[k]) * t[k]);
+    g.orientation.push_back(quaternionFromAxes(t[k], across, cross(t[k], across)));
+  }
+  if (g.closed) {
+    // After one round the frame is turned about the axis by an angle, which all bonds share.
+    const Vec3d back = axis2(leastTurn(t.back(), t[0]) * g.orientation.back());
+    const Quatd& first = g.orientation[0];
+    const double angle = std::atan2(dot(back, axis3(first)), dot(back, axis2(first)));
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      const double share = static_cast<double>(k) / static_cast<double>(t.size());
+      g.orientation[k] = g.orientation[k] * rotation({-angle * share, 0, 0});
+    }
+  }
+  if (shaped) g.rest = restOf(g);
+  return g;
+}
+
+Curve beside(Curve axis, const Vec3d& along, std::function<std::array<double, 2>(double)> offset,
+             double step) {
+  const Vec3d side = acrossOf(along), up = cross(along, side);
+  return [=](double u) {
+    const auto [a, b] = offset(u);
+    if (a == 0 && b == 0) return axis(u);
+    const Quatd q = leastTurn(along, unitVector(axis(u + step) - axis(u - step)));
+    // The rotation takes the space axes to those of the frame.
+    const Vec3d v = a * side + b * up;
+    return axis(u) + v.x * axis1(q) + v.y * axis2(q) + v.z * axis3(q);
+  };
+}
+
+}  // namespace nanoweft

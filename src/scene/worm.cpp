@@ -1,0 +1,147 @@
+#include "nanoweft/scene/worm.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "nanoweft/base/error.hpp"
+
+namespace nanoweft {
+
+namespace {
+
+/// Bonds are not bent further at the start, in radians.
+constexpr double mostBend = 0.6;
+
+/// Times that a bond is turned anew before the fibre loses segments, and that it loses some before
+/// it is begun anew.
+constexpr int turnTrials = 12, lossTrials = 40;
+
+/// The random numbers of one trial, one after another.
+class Lots {
+ public:
+  Lots(const Worm& worm, int trial)
+      : seed_(worm.seed + static_cast<std::uint64_t>(trial) * 0x9E3779B97F4A7C15u),
+        fibre_(worm.fibre) {}
+
+  std::array<double, 2> uniform() {
+    return uniformPair(seed_, Purpose::scenePlace, fibre_, drawn_++);
+  }
+  double normal() { return normalDraw(seed_, Purpose::sceneShape, fibre_, drawn_++); }
+
+ private:
+  std::uint64_t seed_;
+  std::int64_t fibre_;
+  std::uint32_t drawn_ = 0;
+};
+
+Vec3d firstDirection(Lots& lots, bool flat) {
+  const auto [a, b] = lots.uniform();
+  const double angle = 2.0 * std::numbers::pi * a, z = flat ? 0.0 : 2.0 * b - 1.0;
+  const double across = std::sqrt(1.0 - z * z);
+  return {across * std::cos(angle), across * std::sin(angle), z};
+}
+
+/// One fibre that grows.
+class Growth {
+ public:
+  Growth(Crowd& crowd, const Worm& worm, Lots& lots,
+         const std::function<bool(const LaidPiece&)>& taken)
+      : crowd_(crowd), worm_(worm), lots_(lots), taken_(taken), before_(crowd.size()) {}
+
+  /// False: it found no way.
+  bool grow(const Vec3d& start, const Vec3d& direction) {
+    if (!place(start, direction)) return false;
+    for (int losses = 0; size() < worm_.segments;) {
+      if (extend()) continue;
+      if (worm_.persistence == 0 || ++losses > lossTrials) return false;
+      lose(1 + losses % 10);
+    }
+    return true;
+  }
+
+  Line line() const { return {points_}; }
+
+ private:
+  int size() const { return static_cast<int>(points_.size()); }
+
+  bool place(const Vec3d& x, const Vec3d& direction) {
+    const LaidPiece piece{x, direction, 0.5 * worm_.length, worm_.fibre, size(), worm_.kind};
+    if (taken_(piece)) return false;
+    crowd_.add(piece);
+    points_.push_back(x);
+    directions_.push_back(direction);
+    return true;
+  }
+
+  bool extend() {
+    const Vec3d e = directions_.back(), x = points_.back();
+    if (worm_.persistence == 0) return place(x + worm_.length * e, e);
+    for (int turn = 0; turn < turnTrials; ++turn) {
+      const Vec3d next = turned(e);
+      // The chord between two segments halves the angle between their axes.
+      if (place(x + worm_.length * unitVector(e + next), next)) return true;
+    }
+    return false;
+  }
+
+  /// The next direction: two turns across the last one, or in the plane one, of variance T/P each.
+  Vec3d turned(const Vec3d& e) {
+    const double spread = std::sqrt(worm_.length / worm_.persistence);
+    const Vec3d side = worm_.height ? Vec3d{-e.y, e.x, 0} : acrossOf(e);
+    Vec3d bend = spread * lots_.normal() * side;
+    if (!worm_.height) bend += spread * lots_.normal() * cross(e, side);
+    const double angle = norm(bend);
+    if (angle == 0 || angle > mostBend) return e;
+    return std::cos(angle) * e + std::sin(angle) / angle * bend;
+  }
+
+  void lose(int count) {
+    const int left = std::max(1, size() - count);
+    points_.resize(static_cast<std::size_t>(left));
+    directions_.resize(static_cast<std::size_t>(left));
+    crowd_.shrink(before_ + static_cast<std::size_t>(left));
+  }
+
+  Crowd& crowd_;
+  const Worm& worm_;
+  Lots& lots_;
+  const std::function<bool(const LaidPiece&)>& taken_;
+  std::size_t before_;  ///< pieces of the crowd that are others'
+  std::vector<Vec3d> points_, directions_;
+};
+
+}  // namespace
+
+std::optional<Line> growWorm(Crowd& crowd, const Box& box, const Worm& worm,
+                             const std::function<bool(const LaidPiece&)>& taken) {
+  const std::size_t before = crowd.size();
+  for (int trial = 0; trial < wormTrials; ++trial) {
+    Lots lots(worm, trial);
+    const auto [a, b] = lots.uniform();
+    const Vec3d x{box.lower[0] + a * box.length(0), box.lower[1] + b * box.length(1),
+                  worm.height ? *worm.height : box.lower[2] + lots.uniform()[0] * box.length(2)};
+    const Vec3d e = firstDirection(lots, worm.height.has_value());
+    Growth growth(crowd, worm, lots, taken);
+    if (growth.grow(x, e)) return growth.line();
+    crowd.shrink(before);
+  }
+  return std::nullopt;
+}
+
+double readPersistence(OptionSection& section, const std::string& scene,
+                       const SceneContext& context) {
+  const std::string option = scene + "_persistence";
+  const double persistence = section
+                                 .maybeReal(option, "straight", context.units.length,
+                                            "persistence length of worm-like fibres", positive)
+                                 .value_or(0.0);
+  if (persistence > 0 && persistence < 5.0 * context.kinds.longest())
+    throw InputError(
+        format("-%s %g: shorter than five segments of %g %s, which would bend too "
+               "sharply",
+               option.c_str(), persistence, context.kinds.longest(), context.units.length));
+  return persistence;
+}
+
+}  // namespace nanoweft

@@ -1,0 +1,249 @@
+/// The scenes that lay fibres: nothing overlaps, the packing is what was asked for, and the same is
+/// laid on any number of ranks.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "support/expect.hpp"
+#include "support/program.hpp"
+#include "support/state_edit.hpp"
+
+using namespace nanoweft;
+using namespace nanoweft::test;
+
+namespace {
+
+/// Of a (10,10) tube: radius, segment, distance of two that cross at rest, A.
+constexpr double radius = 6.78, T = 13.56, rest = 17.3436;
+
+struct Laid {
+  std::vector<Vec3d> x, axis;
+  std::vector<double> fibre, index;
+  Vec3d edge;  ///< of a periodic box
+};
+
+Vec3d nearest(Vec3d d, const Vec3d& edge) {
+  if (edge.x > 0) d.x -= edge.x * std::round(d.x / edge.x);
+  if (edge.y > 0) d.y -= edge.y * std::round(d.y / edge.y);
+  if (edge.z > 0) d.z -= edge.z * std::round(d.z / edge.z);
+  return d;
+}
+
+/// Distance of a point from a piece of one segment length about the origin.
+double distanceFromPiece(const Vec3d& d, const Vec3d& axis) {
+  const double along = std::clamp(dot(d, axis), -0.5 * T, 0.5 * T);
+  return norm(d - along * axis);
+}
+
+/// The least distance of segments of different fibres, or of one that are over five places apart.
+double leastDistance(const Laid& s) {
+  double least = 1e9;
+  for (std::size_t i = 0; i < s.x.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      if (s.fibre[i] == s.fibre[j] && std::abs(s.index[i] - s.index[j]) <= 5) continue;
+      const Vec3d d = nearest(s.x[i] - s.x[j], s.edge);
+      if (dot(d, d) > 35.0 * 35.0) continue;
+      for (int k = -8; k <= 8; ++k)
+        least = std::min(least, distanceFromPiece(d + (k * T / 16.0) * s.axis[i], s.axis[j]));
+    }
+  return least;
+}
+
+Laid read(const std::string& file, const Vec3d& edge) {
+  Laid s{readVectors(file, "state/position"),
+         {},
+         readDataset(file, "state/fibre"),
+         readDataset(file, "state/index"),
+         edge};
+  for (const Quatd& q : readOrientations(file)) s.axis.push_back(axis1(q));
+  return s;
+}
+
+struct Case {
+  std::string name, options;
+  std::vector<std::string> says;  ///< of the header
+  Vec3d edge{0, 0, 0};            ///< of the box, where it is periodic
+  std::size_t fibres = 1;
+  double closest = 0.97 * rest;
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+const std::vector<Case> cases = {
+    {"Bundle",
+     "-scene bundle -bundle_fibres 19 -bundle_segments 20 -bundle_stagger 100",
+     {"scene bundle: 19 fibres, volume fraction 0.5", "17.3436 A apart"},
+     {},
+     19},
+    {"BundleOfStaples",
+     "-scene bundle -bundle_fibres 7 -bundle_segments 12 -bundle_in_line 3",
+     {"21 fibres"},
+     {},
+     21},
+    {"Ring", "-scene ring -ring_segments 240 -ring_windings 3", {"3 windings", "radius 172"}},
+    {"OpenRing", "-scene ring -ring_segments 240 -ring_windings 5 -ring_closed 0", {"5 windings"}},
+    {"Racket", "-scene racket -racket_segments 200", {"loop of 904", "handle of two arms"}},
+    {"Helix",
+     "-scene helix -helix_segments 200 -helix_fibres 2 -helix_rest shaped",
+     {"2 fibres, 200 segments each"},
+     {},
+     2},
+    {"Rope",
+     "-scene rope -rope_plies 3,7 -rope_segments 60",
+     {"21 fibres", "volume fraction 0.", "lay"},
+     {},
+     21,
+     0.94 * rest},
+    {"Film",
+     "-scene film -film_segments 40 -film_coverage 2 -film_size 700,700",
+     {"coverage 2", "volume fraction", "thickness"},
+     {700, 700, 0},
+     133},
+    {"FilmOfWorms",
+     "-scene film -film_segments 40 -film_fibres 50 -film_size 700,600 -film_persistence 800",
+     {"50 fibres"},
+     {700, 600, 0},
+     50},
+    {"Network",
+     "-scene network -network_size 500,500,500 -network_fraction 0.02 -network_segments 20",
+     {"64 fibres, volume fraction 0.02"},
+     {500, 500, 500},
+     64},
+    {"NetworkOfWorms",
+     "-scene network -network_size 500,500,500 -network_fraction 0.03 -network_segments 40 "
+     "-network_persistence 500",
+     {"48 fibres, volume fraction 0.03"},
+     {500, 500, 500},
+     48},
+    {"Array",
+     "-scene array -array_fibres 4,4 -array_segments 30 -array_wave 15,200",
+     {"16 fibres", "52.0307 A apart"},
+     {},
+     16},
+    {"FlatBraid", "-scene braid -braid_segments 80", {"3 strands of 1"}, {}, 3},
+    {"HollowBraid", "-scene braid -braid_strands 8 -braid_segments 80", {"8 strands of 1"}, {}, 8},
+    {"BraidOfTows",
+     "-scene braid -braid_filaments 7 -braid_segments 90",
+     {"3 strands of 7"},
+     {},
+     21,
+     0.92 * rest},
+    {"Knit",
+     "-scene knit -knit_loops 4 -knit_courses 4",
+     {"4 fibres", "loops 162.72 A wide"},
+     {},
+     4},
+    {"Twill",
+     "-scene weave -weave_fibres 6,6 -weave_segments 40 -weave_pattern twill -weave_float 2,1",
+     {"12 fibres", "pitch"},
+     {},
+     12},
+    {"SatinOfTows",
+     "-scene weave -weave_fibres 5,5 -weave_segments 80 -weave_pattern satin -weave_filaments 3,2",
+     {"60 fibres"},
+     {},
+     60,
+     0.92 * rest},
+    {"TwoLayers",
+     "-scene weave -weave_fibres 4,4 -weave_segments 30 -weave_layers 2",
+     {"16 fibres"},
+     {},
+     16},
+};
+
+class Scenes : public testing::TestWithParam<Case> {};
+
+TEST_P(Scenes, LayFibresApartAndTheSameOnAnyRanks) {
+  const Case& c = GetParam();
+  const std::string options = c.options +
+                              " -ts_max_steps 20 -progress_interval 0 -snapshot_file f "
+                              "-snapshot_interval 20 -state_output out.h5";
+  const Folder alone, three;
+  const Outcome outcome = run(alone, options);
+  expectDone(outcome);
+  for (const std::string& words : c.says)
+    EXPECT_TRUE(says(outcome, words)) << words << outcome.output;
+  const Laid start = read(alone / "f_0000000000.h5", c.edge);
+  EXPECT_EQ(start.fibre.back() + 1, static_cast<double>(c.fibres));
+  EXPECT_GE(leastDistance(start), c.closest);
+  expectDone(run(three, options, 3));
+  for (const char* file : {"f_0000000000.h5", "out.h5"})
+    EXPECT_TRUE(readFile(alone / file) == readFile(three / file)) << file;
+}
+
+INSTANTIATE_TEST_SUITE_P(Robust, Scenes, testing::ValuesIn(cases),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(Scenes, AFilmFillsTheFractionAskedFor) {
+  const Folder folder;
+  expectDone(run(folder,
+                 "-scene film -film_segments 30 -film_coverage 2 -film_size 500,500 -film_fraction "
+                 "0.1 -ts_max_steps 0 -state_output out.h5"));
+  const Laid s = read(folder / "out.h5", {500, 500, 0});
+  double top = 0;
+  for (const Vec3d& x : s.x) top = std::max(top, x.z);
+  const double volume = std::numbers::pi * radius * radius * T * static_cast<double>(s.x.size());
+  EXPECT_NEAR(volume / (500.0 * 500.0 * (top + 2.0 * radius)), 0.1, 0.002);
+}
+
+TEST(Scenes, KindsHaveTheirSharesOfTheFibres) {
+  const Folder folder;
+  expectDone(run(folder,
+                 "-kinds a,b -b_fibre_preset mwcnt_20_10 -scene bundle -bundle_fibres 20 "
+                 "-bundle_segments 30 -bundle_kinds a,b -bundle_shares 0.7,0.3 -ts_max_steps 0 "
+                 "-state_output out.h5",
+                 3));
+  const auto kind = readDataset(folder / "out.h5", "state/kind");
+  const auto index = readDataset(folder / "out.h5", "state/index");
+  int count[2] = {0, 0};
+  for (std::size_t k = 0; k < kind.size(); ++k)
+    if (index[k] == 0) ++count[static_cast<std::size_t>(kind[k])];
+  EXPECT_EQ(count[0], 14);
+  EXPECT_EQ(count[1], 6);
+}
+
+TEST(Scenes, AnotherSeedLaysOtherFibres) {
+  const Folder one, two;
+  const std::string options =
+      "-scene network -network_size 400,400,400 -network_fibres 5 -network_segments 10 "
+      "-ts_max_steps 0 -state_output out.h5 -seed ";
+  expectDone(run(one, options + "1"));
+  expectDone(run(two, options + "2"));
+  EXPECT_NE(readDataset(one / "out.h5", "state/position"),
+            readDataset(two / "out.h5", "state/position"));
+}
+
+TEST(Scenes, AFibreFollowsThePointsOfATextFile) {
+  const Folder folder;
+  // A closed circle of radius 200 and a straight fibre, with a comment between its points.
+  std::string text = "# a circle\n";
+  for (int k = 0; k <= 40; ++k) {
+    const double angle = 2.0 * std::numbers::pi * (k % 40) / 40;
+    text +=
+        std::to_string(20 * std::cos(angle)) + " " + std::to_string(20 * std::sin(angle)) + " 0\n";
+  }
+  writeText(folder / "in.txt", text + "\n0 0 5\n# on\n10 0 5\n20 0 5\n");
+  expectDone(
+      run(folder,
+          "-scene text -text_file in.txt -text_scale 10 -ts_max_steps 0 -state_output out.h5", 3));
+  const Laid s = read(folder / "out.h5", {});
+  ASSERT_EQ(s.fibre.back(), 1);
+  std::size_t onCircle = 0;
+  for (std::size_t k = 0; k < s.x.size(); ++k)
+    if (s.fibre[k] == 0) {
+      ++onCircle;
+      EXPECT_NEAR(std::hypot(s.x[k].x, s.x[k].y), 200.0, 0.2);
+    } else {
+      EXPECT_NEAR(s.x[k].y, 0.0, 1e-9);
+      EXPECT_NEAR(s.x[k].z, 50.0, 1e-9);
+    }
+  EXPECT_EQ(onCircle, 93u);         // 2 pi 200/T = 92.7
+  EXPECT_EQ(s.x.size(), 93u + 15);  // 200/T = 14.7
+}
+
+}  // namespace
