@@ -82,9 +82,7 @@ std::unique_ptr<Scene> makeBraidScene(Options& options, const SceneContext& cont
   mix->draw(static_cast<std::int64_t>(strands) * filaments);
   const double gap = mix->widest(), chord = context.kinds.shortest();
   const auto places = std::make_shared<const std::vector<Place>>(roundPlaces(filaments));
-  double thick = gap;
-  for (const Place& p : *places)
-    thick = std::max(thick, gap * (1.0 + 2.0 * std::hypot(p[0], p[1])));
+  const double thick = gap * widthOf(*places);
   Braid braid = Braid::of(strands, thick);
   if (lay) braid.lay = *lay;
   auto fibre = [=](std::int64_t f, double scale) {

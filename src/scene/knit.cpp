@@ -25,17 +25,33 @@ constexpr double twoPi = 2.0 * std::numbers::pi;
 constexpr double bulge = 0.239, height = 0.464, course = 0.5545, deepest = 0.21;
 
 struct Knit {
+  int loops = 6, courses = 6, filaments = 1;
+  bool periodic = false, shaped = false;
   double width = 0, depth = 0;  ///< W and D
-  int loops = 0;
+  double gap = 0, thick = 0;    ///< between fibres; of a strand
+  std::vector<Place> places;    ///< of a strand's fibres
 
-  /// Of one course; the parameter is length along x.
-  Curve axis(std::int64_t row, double middle) const {
-    return [=, *this](double u) {
-      const double t = u / width + middle, p = twoPi * t;
-      return Vec3d{width * (t + bulge * std::sin(2.0 * p)),
-                   width * (height * std::cos(p) + course * static_cast<double>(row)),
-                   -depth * std::cos(2.0 * p)};
+  double span() const { return loops * width; }
+  double pile() const { return courses * course * width; }
+  double thickness() const { return 2.0 * depth + thick; }
+
+  /// Of a strand; the parameter is length along x, from the loop `first` on.
+  Curve axis(std::int64_t row, double first) const {
+    return [row, first, w = width, d = depth](double u) {
+      const double t = u / w + first, p = twoPi * t;
+      return Vec3d{w * (t + bulge * std::sin(2.0 * p)),
+                   w * (height * std::cos(p) + course * static_cast<double>(row)),
+                   -d * std::cos(2.0 * p)};
     };
+  }
+  Curve fibre(std::int64_t f, double first) const {
+    const Place place = places[static_cast<std::size_t>(f % filaments)];
+    return beside(
+        axis(f / filaments, first), {1, 0, 0},
+        [place, gap = gap](double) {
+          return Place{gap * place[0], gap * place[1]};
+        },
+        0.01 * gap);
   }
 
   double loopLength() const {
@@ -48,79 +64,70 @@ struct Knit {
   }
 };
 
+/// Makes it as deep as strands need, looking at two loops of three courses.
+void deepen(Knit& knit, double chord, const char* unit) {
+  const std::string option = format("-knit_width %g", knit.width);
+  const int points = static_cast<int>(2.0 * knit.loopLength() / chord) + 3;
+  auto three = [&](double scale) {
+    knit.depth = 0.5 * scale * knit.thick;
+    std::vector<Line> lines;
+    for (std::int64_t f = 0; f < 3 * knit.filaments; ++f)
+      lines.push_back({walk(knit.fibre(f, 0.0), chord, points)});
+    return lines;
+  };
+  scaleToFit(three, {knit.gap, knit.filaments}, option);
+  if (knit.depth > 1.2 * deepest * knit.width)
+    throw InputError(
+        format("%s: too narrow for strands of %.4g %s", option.c_str(), knit.thick, unit));
+}
+
+Box periodicBox(const Knit& knit, double margin) {
+  Box box;
+  box.periodic = {true, true, false};
+  box.lower = {0, 0, -margin - knit.thickness()};
+  box.upper = {knit.span(), knit.pile(), margin + knit.thickness()};
+  return box;
+}
+
 }  // namespace
 
 std::unique_ptr<Scene> makeKnitScene(Options& options, const SceneContext& context, SceneUse use) {
   OptionSection s(options, "Scene: knit", use != SceneUse::none, "-scene is not knit");
   const char* unit = context.units.length;
-  const auto loops =
+  Knit knit;
+  knit.loops =
       static_cast<int>(s.integer("knit_loops", 6, "loops of a course, along x", 1, 1000000));
-  const auto courses =
-      static_cast<int>(s.integer("knit_courses", 6, "courses, along y", 1, 1000000));
-  const auto filaments =
-      static_cast<int>(s.integer("knit_filaments", 1, "fibres of a strand", 1, 1000));
+  knit.courses = static_cast<int>(s.integer("knit_courses", 6, "courses, along y", 1, 1000000));
+  knit.filaments = static_cast<int>(s.integer("knit_filaments", 1, "fibres of a strand", 1, 1000));
   const auto wanted = s.maybeReal("knit_width", "12 segments, or 5 strands' thicknesses", unit,
                                   "width of a loop", positive);
-  const bool periodic = s.flag("knit_periodic", false, "periodic in x and y, courses closed");
+  knit.periodic = s.flag("knit_periodic", false, "periodic in x and y, courses closed");
   auto mix = std::make_shared<KindMix>(s, "knit", context);
-  const bool shaped = readShaped(s, "knit");
+  knit.shaped = readShaped(s, "knit");
   if (use != SceneUse::start) return nullptr;
   mix->prepare(context);
-  const std::int64_t fibres = static_cast<std::int64_t>(courses) * filaments;
-  mix->draw(fibres);
-  const double gap = mix->widest();
-  const auto places = std::make_shared<const std::vector<Place>>(roundPlaces(filaments));
-  double thick = gap;
-  for (const Place& p : *places)
-    thick = std::max(thick, gap * (1.0 + 2.0 * std::hypot(p[0], p[1])));
-  Knit knit{wanted.value_or(std::max(12.0 * context.kinds.longest(), 5.0 * thick)), 0.5 * thick,
-            loops};
-  auto curveOf = [=](const Knit& k, std::int64_t f, double middle) {
-    const Place place = (*places)[static_cast<std::size_t>(f % filaments)];
-    return beside(
-        k.axis(f / filaments, middle), {1, 0, 0},
-        [=](double) {
-          return Place{gap * place[0], gap * place[1]};
-        },
-        0.01 * gap);
-  };
-  const std::string option = format("-knit_width %g", knit.width);
-  const double chord = context.kinds.shortest();
-  const int points = static_cast<int>(2.0 * knit.loopLength() / chord) + 3;
-  const double depth = knit.depth;
-  auto three = [&](double scale) {
-    knit.depth = scale * depth;
-    std::vector<Line> lines;
-    for (std::int64_t f = 0; f < 3 * filaments; ++f)
-      lines.push_back({walk(curveOf(knit, f, 0.0), chord, points)});
-    return lines;
-  };
-  scaleToFit(three, {gap, filaments}, option);
-  if (knit.depth > 1.2 * deepest * knit.width)
-    throw InputError(format("%s: too narrow for strands of %.4g %s", option.c_str(), thick, unit));
-  Laying laying{"knit", mix, fibres};
-  const double length = knit.loopLength() * loops;
+  Laying laying{"knit", mix, static_cast<std::int64_t>(knit.courses) * knit.filaments};
+  mix->draw(laying.fibres);
+  knit.gap = mix->widest();
+  knit.places = roundPlaces(knit.filaments);
+  knit.thick = knit.gap * widthOf(knit.places);
+  knit.width = wanted.value_or(std::max(12.0 * context.kinds.longest(), 5.0 * knit.thick));
+  deepen(knit, context.kinds.shortest(), unit);
+  const double length = knit.loopLength() * knit.loops;
   laying.segments = [=](std::int64_t f) {
     return std::max(3, static_cast<int>(std::lround(length / mix->fibre(f).length)));
   };
-  const double span = loops * knit.width;
   laying.line = [=, segments = laying.segments](std::int64_t f) {
     double T = mix->fibre(f).length;
-    if (!periodic) return Line{walk(curveOf(knit, f, 0.5 * loops), T, segments(f))};
-    return Line{walkAround(curveOf(knit, f, 0.0), span, segments(f), T), true, {span, 0, 0}};
+    if (!knit.periodic) return Line{walk(knit.fibre(f, 0.5 * knit.loops), T, segments(f))};
+    const double span = knit.span();
+    return Line{walkAround(knit.fibre(f, 0.0), span, segments(f), T), true, {span, 0, 0}};
   };
-  const double pile = courses * course * knit.width;
-  if (periodic) {
-    const double margin = 4.0 * context.kinds.longest() + knit.depth + thick;
-    Box box;
-    box.periodic = {true, true, false};
-    box.lower = {0, 0, -margin}, box.upper = {span, pile, margin};
-    laying.box = box;
-  }
-  laying.space = span * pile * (2.0 * knit.depth + thick);
-  laying.also = format("loops %.5g %s wide, thickness %.4g %s", knit.width, unit,
-                       2.0 * knit.depth + thick, unit);
-  laying.shaped = shaped;
+  if (knit.periodic) laying.box = periodicBox(knit, 4.0 * context.kinds.longest());
+  laying.space = knit.span() * knit.pile() * knit.thickness();
+  laying.also =
+      format("loops %.5g %s wide, thickness %.4g %s", knit.width, unit, knit.thickness(), unit);
+  laying.shaped = knit.shaped;
   return layScene(context, std::move(laying));
 }
 

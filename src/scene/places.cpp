@@ -1,5 +1,6 @@
 #include "nanoweft/scene/places.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -34,6 +35,12 @@ std::vector<Place> roundPlaces(int count) {
   for (int k = 0; k < count; ++k)
     places.push_back({radius * std::cos(k * turn), radius * std::sin(k * turn)});
   return places;
+}
+
+double widthOf(const std::vector<Place>& places) {
+  double farthest = 0;
+  for (const Place& p : places) farthest = std::max(farthest, std::hypot(p[0], p[1]));
+  return 1.0 + 2.0 * farthest;
 }
 
 std::vector<Place> rowPlaces(int wide, int high) {

@@ -57,13 +57,10 @@ class Rope {
 
   /// Across, to the outsides of fibres a gap thick.
   double diameter(std::size_t from, double gap) const {
-    double radius = 0.5 * gap;
-    for (std::size_t l = from; l < levels.size(); ++l) {
-      double farthest = 0;
-      for (const Place& p : levels[l].places) farthest = std::max(farthest, std::hypot(p[0], p[1]));
-      radius += levels[l].spacing * farthest;
-    }
-    return 2.0 * radius;
+    double diameter = gap;
+    for (std::size_t l = from; l < levels.size(); ++l)
+      diameter += levels[l].spacing * (widthOf(levels[l].places) - 1.0);
+    return diameter;
   }
 };
 

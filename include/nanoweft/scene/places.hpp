@@ -14,6 +14,9 @@ std::vector<Place> hexagonalPlaces(int count);
 /// Around the axis: up to five on a circle, more in hexagons.
 std::vector<Place> roundPlaces(int count);
 
+/// How wide a strand is that has its fibres in these places, fibres a distance thick.
+double widthOf(const std::vector<Place>& places);
+
 /// Rows above each other, each half a distance beside the one below.
 std::vector<Place> rowPlaces(int wide, int high);
 
