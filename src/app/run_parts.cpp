@@ -127,7 +127,7 @@ void RunParts::fillState() {
   if (!plan->checkpoint && shaped && plan->kinds.curved())
     throw InputError(
         "-fibre_rest_curvature, -fibre_rest_twist: not used by this run, whose bonds have rest "
-        "rotations of their own (-weave_rest shaped, or rest_rotation in the state file)");
+        "rotations of their own (-SCENE_rest shaped, or rest_rotation in the state file)");
   const bool rubs = forces->pairs().rubs() || forces->walls().rub();
   extras.viscous = plan->settings.viscous ||
                    ((plan->kinds.viscous() || rubs) && !plan->settings.stepper->minimises);
