@@ -167,7 +167,7 @@ TEST_P(Scenes, LayFibresApartAndTheSameOnAnyRanks) {
                               " -ts_max_steps 20 -progress_interval 0 -snapshot_file f "
                               "-snapshot_interval 20 -state_output out.h5";
   const Folder alone, three;
-  const Outcome outcome = runAlone(alone, options);
+  const Outcome outcome = run(alone, options);
   expectDone(outcome);
   for (const std::string& words : c.says)
     EXPECT_TRUE(says(outcome, words)) << words << outcome.output;
