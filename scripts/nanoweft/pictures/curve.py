@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import matplotlib
+import numpy as np
 from numpy.typing import ArrayLike
 
 matplotlib.use("Agg")
@@ -14,7 +15,7 @@ from .style import CYCLE, TABLES  # noqa: E402
 
 
 class Curve(NamedTuple):
-    """x and y of a line (empty: none) and of the dots on it."""
+    """x and y of a line and of the dots on it; empty: none."""
     label: str
     line: tuple[ArrayLike, ArrayLike]
     dots: tuple[ArrayLike, ArrayLike]
@@ -26,9 +27,11 @@ def draw(file: str, axes: tuple[str, str], curves: list[Curve], **look: Any) -> 
     with plt.rc_context(TABLES):
         figure, panel = plt.subplots(figsize=(6, 3.6), layout="constrained")
         for curve, colour in zip(curves, CYCLE):
-            panel.plot(*curve.line, color=colour, label=f"{curve.label}, {curve.kind}")
-            panel.plot(*curve.dots, "o", color=colour, markersize=4,
-                       label=f"{curve.label}, measured")
+            if np.size(curve.line[0]):
+                panel.plot(*curve.line, color=colour, label=f"{curve.label}, {curve.kind}")
+            if np.size(curve.dots[0]):
+                panel.plot(*curve.dots, "o", color=colour, markersize=4,
+                           label=f"{curve.label}, measured")
         panel.set(xlabel=axes[0], ylabel=axes[1], **look)
         panel.legend()
         figure.savefig(file)

@@ -68,7 +68,7 @@ def tubes(distances, h=1e-3):
     return here, (high - low) / (2 * h), (high - 2 * here + low) / h**2
 
 
-def curve(half_length, cells=300):
+def curve(half_length, cells=300, reach=REACH):
     """Least energy of a racket: a planar inextensible curve
     with the tubes' energy at their distance 2 x.
 
@@ -76,14 +76,14 @@ def curve(half_length, cells=300):
     Newton's method with a shift that keeps it downhill."""
     h = half_length / cells
     middle = (np.arange(cells) + 0.5) * h
-    angle, _, s, _ = head(DISTANCE / REACH)
-    length = s[-1] * REACH
-    f = np.where(middle < length, np.interp(length - middle, s * REACH, -angle), 0.0)
+    angle, _, s, _ = head(DISTANCE / reach)
+    length = s[-1] * reach
+    f = np.where(middle < length, np.interp(length - middle, s * reach, -angle), 0.0)
     across = h * (np.tril(np.ones((cells, cells))) - np.eye(cells) / 2)
     # The tip, half a cell before the first, has the angle pi/2.
     stiff = 2 * np.eye(cells) - np.eye(cells, k=1) - np.eye(cells, k=-1)
     stiff[0, 0], stiff[-1, -1] = 3, 1
-    stiff *= FIBRE.EJ / h
+    stiff *= W * reach**2 / h
     # Segments less than 20 apart do not see each other.
     seen = middle > 10 * T
 
@@ -114,9 +114,10 @@ def missing_end():
     return -np.sum(k * law(np.hypot(DISTANCE, k * T / POINTS), "smooth")) / POINTS**2
 
 
-def racket_start(segments, T=T):
-    angle, x, s, _ = head(DISTANCE / REACH)
-    angle, x, s = angle[::-1], x[::-1] * REACH, (s[-1] - s[::-1]) * REACH
+def racket_start(segments, T=T, reach=REACH):
+    """A racket whose bending stiffness over its adhesion per length is the square of `reach`."""
+    angle, x, s, _ = head(DISTANCE / reach)
+    angle, x, s = angle[::-1], x[::-1] * reach, (s[-1] - s[::-1]) * reach
     y = np.concatenate([[0], np.cumsum(np.diff(s) * np.cos((angle[1:] + angle[:-1]) / 2))])
     at = (np.arange(segments // 2) + 0.5) * T
     beyond = np.maximum(at - s[-1], 0)
