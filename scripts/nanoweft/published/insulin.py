@@ -37,8 +37,9 @@ def beam(file: states.Path) -> None:
 
 
 def deflection(folder: pathlib.Path, load: float) -> float:
-    """Of the middle, A, under a load, eV/A."""
-    done = runs.run(["-options_file", str(FOLDER / "bend.opts"), "-middle_force", f"0,0,{load}",
+    """Of the middle of the beam.h5 in a folder, A, under a load, eV/A."""
+    done = runs.run(["-options_file", str(FOLDER / "bend.opts"), "-scene_file",
+                     f"{folder}/beam.h5", "-middle_force", f"0,0,{load}",
                      "-state_output", f"{folder}/other.h5"])
     if done.returncode or "converged" not in done.stdout:
         raise RunFailed(f"load {load}: {done.stderr.strip() or done.stdout.strip()}")
