@@ -13,5 +13,6 @@ arguments    kinds of arguments that several commands take
 analysis     orientation, bundles, porosity, contacts, shapes, pores, broken bonds, stresses, decays
 pictures     tubes as pictures and movies, tables as plots
 report       one HTML page of a run
+published    numbers that others published, which scenes and tests measure anew
 verification, speed_error, scaling   the three studies with pages of their own in runs/
 """
