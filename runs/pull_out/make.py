@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Parallel tubes that touch, the first of which is to be pulled out: python3 make.py FILE [2|3|7]"""
+"""Parallel tubes that touch, the first of which is to be pulled out:
+python3 make.py FILE [2|3|7]"""
 import pathlib
 import sys
 

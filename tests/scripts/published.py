@@ -48,7 +48,7 @@ class Insulin(FolderTest):
 
 
 class Rods(FolderTest):
-    def test_the_force_of_two_crossed_rods_is_that_of_hertz_and_ends_beyond_their_ends(self) -> None:
+    def test_two_crossed_rods_push_as_hertz_says_and_not_beyond_their_ends(self) -> None:
         x, y = np.array([[1.0, 0, 0]]), np.array([[0.0, 1, 0]])
         apart = np.array([[0, 0, 0.99 * 2 * rods.RADIUS]])
         self.assertAlmostEqual(rods.forces(apart, x, y, 10.0)[0], 0.01**1.5, delta=1e-12)
