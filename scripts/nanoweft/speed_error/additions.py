@@ -26,6 +26,9 @@ SEGMENTS = 2 * 24 * 120
 SCENES = {"alone": (WEAVE | {"pair": "none"}, 6000), "weave": (WEAVE, 1000)}
 CONTACT = {"pair": "contact", "contact_modulus": 20}
 FLOOR = {"walls": "floor", "floor_point": "0,0,-16", "floor_axis": "0,0,1", "floor_modulus": 20}
+HEATED = {"temperature": 300, "temperature_damping": 1e-4, "damping_local": 0}
+WET = {"pair": "capillary,contact", "contact_modulus": 500, "capillary_tension": 0.0045,
+       "capillary_volume": 2000}
 LINKED = {"links_density": 0.02, "links_distance": 24}
 
 
@@ -51,6 +54,10 @@ CASES = (
     Case("internal viscosity, 1 fs", {"fibre_retardation": 1}, ("alone",)),
     Case("plastic flow, never reached", {"fibre_yield_strain": 0.5}, ("alone",)),
     Case("a wall below", FLOOR, ("alone", "weave")),
+    Case("temperature", HEATED, ("alone", "weave")),
+    Case("hamaker in place of vdw", {"pair": "hamaker", "hamaker_constant": 40, "hamaker_gap": 3.5,
+                                     "pair_gap_cutoff": 40}, ("weave",)),
+    Case("capillary and contact in place of vdw", WET, ("weave",)),
     Case("contact in place of vdw", CONTACT, ("weave",)),
     Case("contact with friction in place of vdw", CONTACT | {"contact_friction": 0.3}, ("weave",)),
 )
