@@ -333,7 +333,7 @@ const std::vector<Case> cases = {
      fibre + "-pair vdw,hydrogen -hydrogen_energy 0.02 -hydrogen_gap 3 -pair_gap_cutoff 30",
      {"-pair_gap_cutoff", "not used", "-vdw_gap_", "-hydrogen_gap_"}},
     {"BridgeWithoutCapillary", fibre + "-capillary_angle 1", {"-capillary_angle", "-pair is vdw"}},
-    {"SceneNothing", "-scene nothing -ts_max_steps 2", {"-scene 'nothing'", "weave|fibre|file"}},
+    {"SceneNothing", "-scene nothing -ts_max_steps 2", {"-scene 'nothing'", "weave|fibre|bundle"}},
     {"ForeignViewer",
      fibre + "-energy_monitor hdf5:old.h5",
      {"-energy_monitor", "ascii or draw"},

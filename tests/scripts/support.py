@@ -1,13 +1,19 @@
 """What the tests of the scripts share: running programs and a folder that goes away."""
+import contextlib
 import os
 import pathlib
+import runpy
 import subprocess
 import sys
 import tempfile
+import traceback
 import unittest
 
 import h5py
 import numpy as np
+
+with contextlib.suppress(ImportError):
+    import matplotlib.pyplot  # noqa: F401  what scripts need is loaded once (run_script)
 
 
 class FolderTest(unittest.TestCase):
@@ -22,6 +28,10 @@ class FolderTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def run_program(self, program, *arguments):
+        with open(program, "rb") as file:
+            python = file.readline(40).startswith(b"#!/usr/bin/python3")
+        if python:
+            return run_script(program, arguments, self.folder)
         return subprocess.run([program, *arguments], cwd=self.folder, capture_output=True,
                               text=True,
                               env={**os.environ, "OMP_NUM_THREADS": "1"})
@@ -33,6 +43,45 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return sorted(self.path(name) for name in os.listdir(self.folder)
                       if name.startswith("frame_") and name.endswith(".h5"))
+
+
+def run_script(script, arguments, folder):
+    """A Python script in a process of its own, forked from this one: to load matplotlib takes
+    longer than most scripts do."""
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        process = os.fork()
+        if process == 0:
+            os.dup2(out.fileno(), 1)
+            os.dup2(err.fileno(), 2)
+            sys.stdout, sys.stderr = (open(fd, "w", closefd=False) for fd in (1, 2))
+            status = in_this_process(script, arguments, folder)
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(status)
+        status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+        for file in out, err:
+            file.seek(0)
+        return subprocess.CompletedProcess([script, *arguments], status, out.read(), err.read())
+
+
+def in_this_process(script, arguments, folder):
+    """Runs a script as python3 would; its exit status."""
+    os.chdir(folder)
+    os.environ["OMP_NUM_THREADS"] = "1"
+    sys.argv, sys.path[0] = [str(script), *arguments], os.path.dirname(script)
+    try:
+        runpy.run_path(str(script), run_name="__main__")
+    except SystemExit as end:
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
+            return 1
+        return end.code or 0
+    except BaseException:  # as the interpreter does
+        traceback.print_exc()
+        return 1
+    return 0
 
 
 def tracked(root: pathlib.Path, *patterns: str) -> list[pathlib.Path]:

@@ -44,8 +44,8 @@ namespace {
 // Waiting threads and ranks must not spin: tests run with more of them than there are cores. Each
 // test has a session folder of its own, since Open MPI's runs that begin and end at the same time
 // take that of their user away from each other. mpirun sleeps for two seconds after each status
-// that is not 0 unless sigkill_timeout is 0. Naming the transport, which is shared memory on one
-// machine anyway, spares the search for networks: a fifth of a second in each run.
+// that is not 0 unless sigkill_timeout is 0. Naming the transports, shared memory or else
+// sockets as on one machine anyway, spares the search for networks: a fifth of a second each run.
 std::string launch(const Folder& folder, const std::string& start, const std::string& options,
                    int threads) {
   const std::string session = folder.path().string() + ".mpi";
@@ -54,7 +54,7 @@ std::string launch(const Folder& folder, const std::string& start, const std::st
          "' OMP_NUM_THREADS=" + std::to_string(threads) +
          " OMP_WAIT_POLICY=passive OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
          " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none"
-         " OMPI_MCA_odls_base_sigkill_timeout=0 OMPI_MCA_pml=ob1 OMPI_MCA_btl=vader,self " +
+         " OMPI_MCA_odls_base_sigkill_timeout=0 OMPI_MCA_pml=ob1 OMPI_MCA_btl=vader,tcp,self " +
          start + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
 }
 
