@@ -8,6 +8,7 @@ import sys
 import tempfile
 import traceback
 import unittest
+import warnings
 
 import h5py
 import numpy as np
@@ -70,6 +71,8 @@ def in_this_process(script, arguments, folder):
     """Runs a script as python3 would; its exit status."""
     os.chdir(folder)
     os.environ["OMP_NUM_THREADS"] = "1"
+    for kind in ResourceWarning, DeprecationWarning:  # unittest shows them, the interpreter doesn't
+        warnings.simplefilter("ignore", kind)
     sys.argv, sys.path[0] = [str(script), *arguments], os.path.dirname(script)
     try:
         runpy.run_path(str(script), run_name="__main__")
