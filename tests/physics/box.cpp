@@ -109,6 +109,18 @@ TEST(Box, ATriangularLatticeOfSpringsHasItsElasticConstants) {
   }
 }
 
+TEST(Box, GrowsIntoItsRate) {
+  const Folder folder;
+  const auto outcome =
+      run(folder,
+          "-scene fibre -fibre_segments 40 -fibre_closed -domain_lower 0,-100,-100 -domain_upper "
+          "542.4,100,100 -domain_periodic 1,0,0 -pair none -ts_dt 2 -deform_x rate -deform_x_rate "
+          "1e-6 -deform_ramp 4000 -ts_max_steps 1000 -progress_interval 0 -box_monitor "
+          "ascii:box.csv -monitor_interval 1000");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NEAR(readCsv(folder / "box.csv").at("strain_x").back(), 1e-6 * 2000 * 2000 / 8000, 1e-6);
+}
+
 TEST(Box, WhatCannotBeMeantIsRefused) {
   const Folder folder;
   const std::string weave = "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 ";

@@ -157,6 +157,23 @@ TEST(Walls, AFibreOverARodHoldsToTheCapstanEquationWithinOnePercent) {
   EXPECT_GT(speedOver(1.01 * most, R), 2e-6);
 }
 
+TEST(Walls, ATurningFloorDragsWhatSlidesOnItByItsFriction) {
+  const Folder folder;
+  const double press = 0.01, time = 1e4;
+  const double overlap = press / (pi / 4 * 20 * gigapascal * T);
+  writeState(folder / "in.h5", {straightFibre({100, 0, rf - overlap}, {1, 0, 0}, 1)});
+  const auto outcome =
+      run(folder, fromFile + floorWall +
+                      "-floor_friction 0.3 -floor_restitution 0.3 -floor_spin 1e-5 -bc all "
+                      "-all_region 90,-10,-10,110,10,20 -all_fix_rotation -all_force 0,0," +
+                      number(-press) + " -ts_dt 10 -ts_max_time 10000 -state_output out.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // It is far slower than the floor, 1e-3 A/fs, and so slides all the time.
+  EXPECT_NEAR(
+      readVectors(folder / "out.h5", "/state/velocity")[0].y / (0.3 * press / tube::mass * time),
+      1.0, 0.02);
+}
+
 TEST(Walls, FibresInsideThemAreRefusedAndDeepContactsWarnOnce) {
   const Folder folder;
   for (const int ranks : {1, 3}) {
