@@ -207,6 +207,27 @@ TEST(Contacts, OfFastDeepAndStickyFibresKeepTheirEnergyAndSides) {
   EXPECT_GT(sticky.above, 0.8 * 2 * tube::rf);
 }
 
+TEST(Contacts, ViscousDampingSlowsWhatTouches) {
+  const Folder folder;
+  const double speed = 1e-5, drag = 1, time = 100;
+  writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 1),
+                                straightFibre({0, 0, 2 * tube::rf - 0.05}, {0, 1, 0}, 1)});
+  setMotion(
+      folder / "in.h5",
+      [&](std::size_t i, const Vec3d&) {
+        return Vec3d{i ? speed : 0, 0, 0};
+      },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
+  const auto outcome = run(
+      folder,
+      "-scene file -scene_file in.h5 -scene_file_edited -pair contact -contact_modulus 20 "
+      "-damping_viscous 1 -ts_dt 1 -ts_max_steps 100 -progress_interval 0 -state_output out.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto v = readVectors(folder / "out.h5", "/state/velocity");
+  const double lost = 1 - (v[1].x - v[0].x) / speed;
+  EXPECT_NEAR(lost / (2 * drag * time / tube::mass), 1.0, 0.02);
+}
+
 TEST(Contacts, ACollisionKeepsItsEnergyToSecondOrder) {
   const double coarse = driftAt(16), fine = driftAt(8);
   EXPECT_LT(coarse, 0.02);

@@ -222,6 +222,16 @@ TEST(Temperature, OfAPressedGasIsWhatBoxAndBathMakeOfIt) {
   EXPECT_NEAR(measured / expected, 1, 4 * std::sqrt(2.0 / (3 * 4096 * 10)));
 }
 
+TEST(Temperature, GivesNoHeatToWhatIsHeld) {
+  const Folder folder;
+  manyFibres(folder, 2, 4);
+  expectDone(run(folder, heated +
+                             "-temperature_damping 0.01 -bc all -all_region "
+                             "-10,-10,-10,100,100,10 -all_fix 1,1,1 -all_fix_rotation -ts_dt 10 "
+                             "-ts_max_steps 20 -energy_monitor ascii:e.csv -monitor_interval 10"));
+  EXPECT_EQ(readCsv(folder / "e.csv").at("heat").back(), 0);
+}
+
 TEST(Temperature, OfZeroIsADragThatStopsAFreeFibre) {
   const Folder folder;
   manyFibres(folder, 3, 4);
