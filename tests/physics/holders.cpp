@@ -163,5 +163,31 @@ TEST(Holders, LoadsDoTheWorkThatTheTableSays) {
   EXPECT_NEAR(g.at("slide_torque_z").back(), -0.3, 0.02);
 }
 
+TEST(Holders, TorqueIsAboutTheMeanPositionOrTheGivenCentre) {
+  const Folder folder;
+  const std::string options =
+      "-scene fibre -fibre_segments 11 -pair none -progress_interval 0 -ts_max_steps 1 -bc all "
+      "-all_region -1,-1,-1,136,1,1 -all_force 0,0,0.01 -group_monitor ascii:g.csv -overwrite ";
+  ASSERT_EQ(run(folder, options).status, 0);
+  EXPECT_NEAR(readCsv(folder / "g.csv").at("all_torque_y")[0], 0, 1e-12);
+  ASSERT_EQ(run(folder, options + "-all_centre 0,0,0").status, 0);
+  EXPECT_NEAR(readCsv(folder / "g.csv").at("all_torque_y")[0], -0.01 * 11 * 67.8, 1e-12);
+}
+
+TEST(Holders, ThatContradictEachOtherAreRefused) {
+  const Folder folder;
+  for (const int ranks : {1, 3}) {
+    const auto outcome =
+        run(folder,
+            "-scene fibre -fibre_segments 11 -pair none -ts_max_steps 1 -bc a,b -a_region "
+            "-1,-1,-1,60,1,1 -a_velocity 1e-4,0,0 -b_region 50,-1,-1,136,1,1 -b_fix 1,0,0",
+            ranks);
+    EXPECT_EQ(outcome.status, 1) << outcome.output;
+    EXPECT_NE(outcome.output.find("hold the x velocity of 1 segment in different ways"),
+              std::string::npos)
+        << outcome.output;
+  }
+}
+
 }  // namespace
 }  // namespace nanoweft::test
