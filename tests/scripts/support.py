@@ -3,6 +3,7 @@ import contextlib
 import os
 import pathlib
 import runpy
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -29,7 +30,7 @@ class FolderTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def run_program(self, program, *arguments):
-        with open(program, "rb") as file:
+        with open(shutil.which(program) or program, "rb") as file:
             python = file.readline(40).startswith(b"#!/usr/bin/python3")
         if python:
             return run_script(program, arguments, self.folder)
