@@ -22,7 +22,7 @@ SCENE = ("-scene weave -weave_fibres 4,4 -weave_segments 20 -damping_local 0.4"
 
 class Installed(FolderTest):
     def call(self, *words, status=0):
-        done = self.run_program(*map(str, words))
+        done = self.execute(*map(str, words))
         self.assertEqual(done.returncode, status, f"{words}\n{done.stdout}{done.stderr}")
         return done.stdout
 
@@ -79,7 +79,7 @@ class Installed(FolderTest):
         if not os.path.exists(MAN):
             self.skipTest("there is no man")
         page = self.prefix / "share/man/man1/nanoweft.1"
-        done = self.run_program(MAN, "--warnings", "-l", page)
+        done = self.execute(MAN, "--warnings", "-l", page)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         for part in ("-weave_fibres", "EXIT STATUS"):
             self.assertIn(part, done.stdout)

@@ -34,6 +34,9 @@ class FolderTest(unittest.TestCase):
             python = file.readline(40).startswith(b"#!/usr/bin/python3")
         if python:
             return run_script(program, arguments, self.folder)
+        return self.execute(program, *arguments)
+
+    def execute(self, program, *arguments):
         return subprocess.run([program, *arguments], cwd=self.folder, capture_output=True,
                               text=True,
                               env={**os.environ, "OMP_NUM_THREADS": "1"})
@@ -74,7 +77,7 @@ def in_this_process(script, arguments, folder):
     os.environ["OMP_NUM_THREADS"] = "1"
     for kind in ResourceWarning, DeprecationWarning:  # unittest shows them, the interpreter doesn't
         warnings.simplefilter("ignore", kind)
-    sys.argv, sys.path[0] = [str(script), *arguments], os.path.dirname(script)
+    sys.argv, sys.path[0] = [str(script), *arguments], os.path.dirname(os.path.realpath(script))
     try:
         runpy.run_path(str(script), run_name="__main__")
     except SystemExit as end:
