@@ -70,10 +70,9 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
   const Fibre &a = kinds[c.first], &b = kinds[c.second];
   const PointChoice& points = p.points();
   const std::string far =
-      points.far != points.near
-          ? format(", %s beyond %g to %g %s", pointsOf(points.far, a, b).c_str(), points.blend.from,
-                   points.blend.to, units.length)
-          : "";
+      points.split() ? format(", %s for what reaches beyond %.6g %s",
+                              pointsOf(points.far, a, b).c_str(), points.from, units.length)
+                     : "";
   // In the order of -kinds, as the prefix of its options.
   const bool inOrder = c.first <= c.second;
   const std::string between =

@@ -225,8 +225,7 @@ class ContactForce final : public PairForce {
                const PairChoice& choice)
       : law_(law), friction_(friction) {
     traits_ = traits;
-    points_ = PointChoice{1, 1, Switch{}};
-    points_.blend.from = points_.blend.to = std::numeric_limits<double>::infinity();
+    points_ = PointChoice{1, 1};
     exclude_ = choice.exclude;
     length_ = choice.length;
     cutoff_ = law.touch();
@@ -239,7 +238,7 @@ class ContactForce final : public PairForce {
                    tally);
     DrawnPairs::Ends begin{};
     for (const auto& end : job.drawn->ends) {
-      lookAtGroups(sum, job.drawn->near.between(begin.near, end.near), job);
+      lookAtGroups(sum, job.drawn->inside.between(begin.inside, end.inside), job);
       lookAtRim(sum, std::span(job.drawn->rim).subspan(begin.rim, end.rim - begin.rim), job);
       begin = end;
     }

@@ -22,7 +22,10 @@ ListKeeper::ListKeeper(const Settings& settings, const Box& box)
       if (box.periodic[d])
         skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - settings_.pairs.reach());
   if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
-  margin_ = 0.3 * skin_;
+  margin_ = 0.05 * length;  // tuned from the second drawing on
+  for (const PairForces::Class& c : settings_.pairs.classes())
+    if (const NearRange near = c.force->nearRange(); near.cutoff > 0)
+      span_ = std::max({span_, near.span().i, near.span().j});
 }
 
 void ListKeeper::rebuild(State& state, Domain& domain) {
@@ -55,6 +58,7 @@ void ListKeeper::makePairLists(State& state, const Domain& domain, const CellInd
   tuneMargin(state);
   startDrawing(state);
   reference_.resize(3 * static_cast<std::size_t>(state.owned()));
+  if (span_ > 0) axes_.resize(reference_.size());
 #pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
   for (int i = 0; i < state.owned(); ++i) noteReference(state, i);
   listed_ = reference_;
@@ -161,12 +165,13 @@ void ListKeeper::tuneMargin(const State& state) {
   // A step looks at the pairs of the rim, in proportion to reach x margin (for a sheet). A drawing
   // looks at all within reach + skin, once in the steps that the margin lasts. This margin makes
   // the sum of both least. The factor 0.5: pairs of the rim cost more, since their segments are not
-  // in the cache yet.
+  // in the cache yet. With a law that is split, a step also resolves the near pairs of the margin,
+  // which cost more still.
   const std::int64_t steps = drawStep_ < 0 ? 0 : state.step - drawStep_;
   if (steps < 1) return;
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),
                reach = settings_.pairs.reach(), widening = 1.0 + skin_ / reach;
-  margin_ = 0.5 * widening * std::sqrt(reach * speed);
+  margin_ = (span_ > 0 ? 0.25 : 0.5) * widening * std::sqrt(reach * speed);
   margin_ = std::min(std::max(margin_, 0.05 * settings_.kinds.shortest()), 0.5 * skin_);
   drawStep_ = state.step;
 }

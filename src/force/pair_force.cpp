@@ -4,10 +4,12 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "nanoweft/force/hertz.hpp"
 #include "nanoweft/force/pair_kernel.hpp"
+#include "nanoweft/force/pair_sift.hpp"
 #include "nanoweft/force/single_table.hpp"
 
 namespace nanoweft {
@@ -29,61 +31,50 @@ template <class Law, class Single = NoSingle>
 class PairForceOf final : public PairForce {
  public:
   PairForceOf(Law law, const PairTraits& traits, const PairChoice& choice) : law_(std::move(law)) {
-    if (choice.single) single_.emplace(law_);
     traits_ = traits;
     points_ = choice.points;
     exclude_ = choice.exclude;
     length_ = choice.length;
     cutoff_ = traits.cutoff;
-    auto reachOf = [&](Both<int> n) {
-      return cutoff_ + 0.5 * (length_.i * (n.i - 1) / n.i + length_.j * (n.j - 1) / n.j);
+    auto reachOf = [&](double cutoff, Both<int> n) {
+      return cutoff + 0.5 * (length_.i * (n.i - 1) / n.i + length_.j * (n.j - 1) / n.j);
     };
-    reach_ = std::min(reachOf(points_.near), std::max(points_.blend.to, reachOf(points_.far)));
+    reach_ = reachOf(cutoff_, points_.far);
+    if (points_.split()) {
+      reach_ = std::max(reach_, reachOf(points_.from, points_.near));
+      if constexpr (std::is_same_v<Law, PairTable>)
+        parts_.emplace(law_.nearPart(points_.from), law_.farPart(points_.from));
+    }
+    if (choice.single) single_.emplace(parts_ ? parts_->near : law_);
     setUnits(traits.largestForce, std::max(length_.i, length_.j));
   }
 
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
-    auto resolve = [&](Both<int> points, bool withEnergies, Weight::Kind kind,
-                       const LaneView& pairs) {
-      const KernelUnits units{length_, cutoff_, forceUnit_, torqueUnit_, points};
-      const auto which = static_cast<std::size_t>(compiled(points) ? points.i - 1 : 0);
-      const Weight weight{kind, points_.blend};
-      if (!compiled(points))
-        (withEnergies ? addPairs<true, anyPoints, Law>
-                      : addPairs<false, anyPoints, Law>)(law_, units, weight, pairs, job, tally);
-      else if (single_)
-        singleKernels[which][withEnergies](*single_, units, weight, pairs, job, tally);
+    const KernelUnits all{length_, cutoff_, forceUnit_, torqueUnit_, points_.far};
+    KernelUnits nearby = all;
+    nearby.cutoff = points_.from;
+    nearby.points = points_.near;
+    // Damping acts once on a pair, with its far part.
+    PairJob undamped = job;
+    undamped.viscousSum = nullptr;
+    auto inside = [&](const LaneView& pairs) {
+      if (parts_)
+        resolve(parts_->far, nullptr, all, energies, pairs, job, tally);
       else
-        kernels[which][withEnergies](law_, units, weight, pairs, job, tally);
-      tally.pointPairs += static_cast<std::int64_t>(points.i) * points.j * pairs.pairs();
-    };
-    auto unsifted = [&](Both<int> points, const LaneView& pairs) {
-      resolve(points, energies, Weight::whole, pairs);
+        resolve(law_, single_ ? &*single_ : nullptr, all, energies, pairs, job, tally);
       tally.resolved += pairs.pairs();
     };
-    PairSift sift(job.pose, *job.nearest, points_.blend, reach_);
-    auto sifted = [&](std::span<const ListPair> pairs, bool last) {
-      sift.goOn(pairs);
-      PairSift::Class which;
-      while (PairBlock* block = sift.next(which, last)) {
-        const LaneView view = block->close();
-        if (which != PairSift::blended) {
-          unsifted(which == PairSift::near ? points_.near : points_.far, view);
-          continue;
-        }
-        tally.resolved += view.pairs();
-        // The force of a blended pair contains its energy times the slope of the weight.
-        resolve(points_.near, true, Weight::fading, view);
-        resolve(points_.far, true, Weight::rising, view);
-      }
-    };
+    PairSift sift(job.pose, *job.nearest, reach_);
     const DrawnPairs& drawn = *job.drawn;
     const std::span<const ListPair> rim = drawn.rim;
     DrawnPairs::Ends begin{};
     for (const auto& end : drawn.ends) {
-      unsifted(points_.near, drawn.near.between(begin.near, end.near));
-      unsifted(points_.far, drawn.far.between(begin.far, end.far));
-      sifted(rim.subspan(begin.rim, end.rim - begin.rim), &end == &drawn.ends.back());
+      if (parts_)
+        resolve(parts_->near, single_ ? &*single_ : nullptr, nearby, energies,
+                drawn.near.between(begin.near, end.near), undamped, tally);
+      inside(drawn.inside.between(begin.inside, end.inside));
+      sift.goOn(rim.subspan(begin.rim, end.rim - begin.rim));
+      while (PairBlock* block = sift.next(&end == &drawn.ends.back())) inside(block->close());
       begin = end;
     }
   }
@@ -91,16 +82,10 @@ class PairForceOf final : public PairForce {
   PairAction resolve(const Vec3d& separation, const Quatd& qi, const Quatd& qj,
                      Both<int>) const override {
     const Vec3d ei = axis1(qi), ej = axis1(qj);
-    const double r = norm(separation);
-    if (r <= points_.blend.from) return average(points_.near, separation, ei, ej);
-    const PairAction few = average(points_.far, separation, ei, ej);
-    if (r >= points_.blend.to) return few;
-    const PairAction many = average(points_.near, separation, ei, ej);
-    double s, ds;
-    points_.blend.factor(r, s, ds);
-    return {s * many.energy + (1.0 - s) * few.energy,
-            s * many.force + (1.0 - s) * few.force +
-                ((many.energy - few.energy) * ds / r) * separation};
+    if (!parts_) return averageOf(law_, cutoff_, points_.near, separation, ei, ej);
+    const PairAction far = averageOf(parts_->far, cutoff_, points_.far, separation, ei, ej),
+                     near = averageOf(parts_->near, points_.from, points_.near, separation, ei, ej);
+    return {near.energy + far.energy, near.force + far.force};
   }
 
   double closest(const Vec3d& separation, const Quatd& qi, const Quatd& qj) const override {
@@ -112,22 +97,47 @@ class PairForceOf final : public PairForce {
 
   PairAction average(Both<int> n, const Vec3d& separation, const Vec3d& ei,
                      const Vec3d& ej) const override {
+    return averageOf(law_, cutoff_, n, separation, ei, ej);
+  }
+
+ private:
+  struct Parts {
+    Law near, far;
+    Parts(Law n, Law f) : near(std::move(n)), far(std::move(f)) {}
+  };
+
+  /// Is there a kernel for this number of points?
+  bool compiled(Both<int> points) const {
+    return points.same() && points.i <= mostCompiledPoints && length_.same();
+  }
+
+  /// Adds the forces of pairs by a law, or by its table in single precision unless null.
+  void resolve(const Law& law, const Single* single, const KernelUnits& units, bool energies,
+               const LaneView& pairs, const PairJob& job, PairTally& tally) const {
+    const Both<int> points = units.points;
+    const auto which = static_cast<std::size_t>(compiled(points) ? points.i - 1 : 0);
+    if (!compiled(points))
+      (energies ? addPairs<true, anyPoints, Law>
+                : addPairs<false, anyPoints, Law>)(law, units, pairs, job, tally);
+    else if (single)
+      singleKernels[which][energies](*single, units, pairs, job, tally);
+    else
+      kernels[which][energies](law, units, pairs, job, tally);
+    tally.pointPairs += static_cast<std::int64_t>(points.i) * points.j * pairs.pairs();
+  }
+
+  PairAction averageOf(const Law& law, double cutoff, Both<int> n, const Vec3d& separation,
+                       const Vec3d& ei, const Vec3d& ej) const {
     PairAction sum;
     forPoints(n, separation, ei, ej, [&](const Vec3d& d) {
       const double r2 = dot(d, d);
-      if (r2 >= cutoff_ * cutoff_) return;
-      const auto u = law_(r2);
+      if (r2 >= cutoff * cutoff) return;
+      const auto u = law(r2);
       sum.energy += u.energy;
       sum.force += u.slope * d;
     });
     const double share = 1.0 / (n.i * n.j);
     return {share * sum.energy, share * sum.force};
-  }
-
- private:
-  /// Is there a kernel for this number of points?
-  bool compiled(Both<int> points) const {
-    return points.same() && points.i <= mostCompiledPoints && length_.same();
   }
 
   /// Calls visit(p_jb - p_ia) for all points of a pair.
@@ -142,8 +152,8 @@ class PairForceOf final : public PairForce {
   }
 
   template <class L>
-  using Kernel = void (*)(const L&, const KernelUnits&, const Weight&, const LaneView&,
-                          const PairJob&, PairTally&);
+  using Kernel = void (*)(const L&, const KernelUnits&, const LaneView&, const PairJob&,
+                          PairTally&);
   template <class L>
   using Kernels = std::array<std::array<Kernel<L>, 2>, mostCompiledPoints>;
 
@@ -163,7 +173,8 @@ class PairForceOf final : public PairForce {
   (std::make_index_sequence<mostCompiledPoints>{});
 
   Law law_;
-  std::optional<Single> single_;
+  std::optional<Parts> parts_;    ///< of a law that is split
+  std::optional<Single> single_;  ///< of the near part, or of a law that is not split
 };
 
 }  // namespace

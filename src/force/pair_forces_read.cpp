@@ -243,10 +243,10 @@ std::unique_ptr<PairForce> makeHertz(const PairReader& read, double stiffness,
 
 std::unique_ptr<PairForce> makeSurface(const PairReader& read, const ReadSurfaceLaw& found,
                                        PairChoice choice) {
-  const double rest = found.law.restDistance();
-  choice.points = nearPoints(read, rest, found.width);
+  choice.points = nearPoints(read, found.need);
   choice.single = false;
-  PairTraits traits = traitsOf(read, found.law, rest, found.width, found.description);
+  PairTraits traits =
+      traitsOf(read, found.law, found.need.rest, found.need.width, found.description);
   traits.keepsApart = found.law.keepsApart();
   return makePairForce(found.law.table(), traits, choice);
 }
@@ -284,15 +284,17 @@ std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
   for (const SurfaceLawType& type : surfaceLaws())
     if (auto found = readSurfaceLaw(read, type, range, law.surface))
       surfaces.push_back(std::move(*found));
-  const double rest = read.is("vdw") ? restOf(vdw) * vdw.length : read.touch();
-  choice.points = readPoints(read, rest, vdw);
   std::vector<std::unique_ptr<PairForce>> forces;
-  if (read.is("vdw")) forces.push_back(makeVdw(read, vdw, rest, choice));
+  if (read.is("vdw")) {
+    const double rest = restOf(vdw) * vdw.length;
+    choice.points =
+        readPoints(read, {rest, {lawWidth(rest, read.a, read.b), nearSpacing}, vdw.switchFrom});
+    forces.push_back(makeVdw(read, vdw, rest, choice));
+  }
+  const PointNeed soft{read.touch(), {lawWidth(read.touch(), read.a, read.b), softSpacing}};
+  choice.points = read.is("vdw") ? nearPoints(read, soft) : readPoints(read, soft);
   if (read.is("hertz")) {
     PairChoice ofHertz = choice;
-    if (read.is("vdw"))
-      ofHertz.points =
-          nearPoints(read, read.touch(), {lawWidth(read.touch(), read.a, read.b), softSpacing});
     ofHertz.single = false;
     forces.push_back(makeHertz(read, law.hertz, ofHertz));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "nanoweft/force/gather.hpp"
 
@@ -41,13 +42,8 @@ LaneView PairBlock::close() {
   return {{groups_, static_cast<std::size_t>(groups)}, j_, j_ + groups * laneCount};
 }
 
-PairSift::PairSift(const double* pose, const MinimumImage& nearest, const Switch& blend,
-                   double reach)
-    : pose_(pose),
-      nearest_(nearest),
-      from2_(blend.from * blend.from),
-      to2_(blend.to * blend.to),
-      reach2_(reach * reach) {}
+PairSift::PairSift(const double* pose, const MinimumImage& nearest, double reach)
+    : pose_(pose), nearest_(nearest), reach2_(reach * reach) {}
 
 void PairSift::sift() {
   const std::size_t used = std::min<std::size_t>(laneCount, pairs_.size());
@@ -62,34 +58,14 @@ void PairSift::sift() {
   segmentsOf(pairs_, i, j);
   pairs_ = pairs_.subspan(used);
   const Vec3<Lanes> d = nearest_(gatherPositions(pose_, j) - gatherPositions(pose_, i));
-  const Lanes r2 = dot(d, d);
-  const unsigned inNear = lanesBelow(r2, from2_), inBlend = lanesBelow(r2, to2_),
-                 inReach = lanesBelow(r2, reach2_) & ((1u << used) - 1);
-  if (!inReach) return;
-  blocks_[near].put(inReach & inNear, i, j);
-  if (!(inReach & ~inNear)) return;
-  blocks_[blended].put(inReach & inBlend & ~inNear, i, j);
-  blocks_[far].put(inReach & ~inBlend & ~inNear, i, j);
+  block_.put(lanesBelow(dot(d, d), reach2_) & ((1u << used) - 1), i, j);
 }
 
-PairBlock* PairSift::handOut(Class which, Class& result) {
-  given_ = &blocks_[which];
-  result = which;
-  return given_;
-}
-
-PairBlock* PairSift::next(Class& which, bool last) {
-  if (given_) given_->clear();
-  given_ = nullptr;
-  while (!pairs_.empty()) {
-    for (Class c : {near, blended, far})
-      if (blocks_[c].count() > PairBlock::capacity - 2 * laneCount) return handOut(c, which);
-    sift();
-  }
-  if (!last) return nullptr;
-  for (Class c : {near, blended, far})
-    if (blocks_[c].count() > 0) return handOut(c, which);
-  return nullptr;
+PairBlock* PairSift::next(bool last) {
+  if (std::exchange(given_, false)) block_.clear();
+  while (!pairs_.empty() && block_.count() <= PairBlock::capacity - 2 * laneCount) sift();
+  given_ = block_.count() > (last ? 0 : PairBlock::capacity - 2 * laneCount);
+  return given_ ? &block_ : nullptr;
 }
 
 }  // namespace nanoweft

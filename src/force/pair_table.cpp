@@ -95,4 +95,18 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
   memory_ = std::move(memory);
 }
 
+PairTable PairTable::nearPart(double from) const {
+  const double rest = slope(from * from);
+  // The middle join only places nodes: the law is smooth there. The force ends with a kink.
+  return PairTable({joins_.inner, 0.5 * (joins_.inner + from), from, 1e-3},
+                   [&](double r) { return slope(r * r) - rest; });
+}
+
+PairTable PairTable::farPart(double from) const {
+  return PairTable({from, joins_.outer, joins_.cutoff, joins_.miss}, [&](double r) {
+    const double place = std::max(r, from);
+    return slope(place * place);
+  });
+}
+
 }  // namespace nanoweft

@@ -122,9 +122,9 @@ std::optional<ReadSurfaceLaw> readSurfaceLaw(const PairReader& read, const Surfa
                "must rise, and lie beyond the gap at rest, %g",
                read.option(std::string(type.name) + "_gap_cutoff").c_str(), type.name, range.from,
                range.to, read.units.length, profile.rest));
-  return ReadSurfaceLaw{SurfaceLaw(profile, range, read.touch(), read.a.length * read.b.length),
-                        describe(read, type, v, range),
-                        {profile.width, surfaceSpacing}};
+  const SurfaceLaw law(profile, range, read.touch(), read.a.length * read.b.length);
+  return ReadSurfaceLaw{
+      law, describe(read, type, v, range), {law.restDistance(), {profile.width, surfaceSpacing}}};
 }
 
 }  // namespace nanoweft

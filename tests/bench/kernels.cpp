@@ -94,15 +94,13 @@ void pairResolution(benchmark::State& state, const char* options) {
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK_CAPTURE(pairResolution, 3_points, "-pair_points 3");
-BENCHMARK_CAPTURE(pairResolution, 3_points_1_far,
-                  "-pair_points 3 -pair_far_points 1 -pair_far_from 33.9 -pair_far_width 6.78");
+BENCHMARK_CAPTURE(pairResolution, 3_points_1_far, "-pair_points 3 -pair_far_points 1");
 BENCHMARK_CAPTURE(pairResolution, 5_points, "-pair_points 5");
 BENCHMARK_CAPTURE(pairResolution, 7_points, "-pair_points 7");
 
 BENCHMARK_CAPTURE(pairResolution, 3_points_single, "-pair_points 3 -pair_precision single");
 BENCHMARK_CAPTURE(pairResolution, 3_points_1_far_single,
-                  "-pair_points 3 -pair_far_points 1 -pair_far_from 33.9 -pair_far_width 6.78 "
-                  "-pair_precision single");
+                  "-pair_points 3 -pair_far_points 1 -pair_precision single");
 BENCHMARK_CAPTURE(pairResolution, 5_points_single, "-pair_points 5 -pair_precision single");
 
 /// Two layers of fibres that cross at an angle, `apart` from each other; all pairs within the

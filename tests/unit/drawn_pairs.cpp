@@ -131,12 +131,16 @@ TEST_P(DrawnPairsOf, ServeUntilASegmentHasMovedByHalfTheMargin) {
       // With another margin other pairs are of the rim.
       EXPECT_TRUE(sums == allSums(*force, ball, 0.0));
       EXPECT_TRUE(sums == allSums(*force, ball, 10.0));
-      // In all less than half the margin.
+      // Outermost points move by less than half the margin in all.
       for (std::size_t i = 0; i < ball.pose.size(); i += 8) {
-        const Vec3d way = random.vector(1.0), d = (0.49 / norm(way)) * way;
-        ball.pose[i] += d.x;
-        ball.pose[i + 1] += d.y;
-        ball.pose[i + 2] += d.z;
+        const Vec3d way = random.vector(1.0), d = (0.29 / norm(way)) * way,
+                    turn = (0.01 / norm(way)) * Vec3d{way.y, way.z, way.x};
+        double* pose = &ball.pose[i];
+        pose[0] += d.x;
+        pose[1] += d.y;
+        pose[2] += d.z;
+        const Quatd q = rotation(turn) * Quatd{pose[4], pose[5], pose[6], pose[7]};
+        pose[4] = q.w, pose[5] = q.x, pose[6] = q.y, pose[7] = q.z;
       }
     }
   }
@@ -172,6 +176,7 @@ TEST_P(DrawnPairsOf, TheOrderOfTheListDoesNotMatter) {
 
 std::vector<const char*> allOptions() {
   std::vector<const char*> options{"-pair_points 3", "-pair_points 3 -pair_far_points 1",
+                                   "-pair_points 5 -pair_far_points 2 -pair_far_from 22",
                                    "-pair_points 1", "-pair hertz"};
   if (singlePays) options.push_back("-pair_points 3 -pair_precision single");
   return options;
@@ -215,7 +220,7 @@ TEST(ViscousDamping, ActsOnceOnPairsWithPointsWithinTheCutoff) {
   const Vec3d whole{4e-3, 5e-3, 8e-3};
   for (const char* options : {"-pair_points 3", "-pair_points 3 -pair_far_points 1"}) {
     const auto force = makeForce(options);
-    // Near, where one sum gives way to the other, far, and at either side of the cutoff.
+    // In both parts of the law, in the far one, and at either side of the cutoff.
     for (double distance : {20.0, 37.0, 45.0, 54.0})
       EXPECT_LT(norm(viscousForce(*force, distance, across) - whole), 1e-12) << distance;
     EXPECT_EQ(norm(viscousForce(*force, 54.3, across)), 0.0);

@@ -1,38 +1,71 @@
-/// Pairs far apart with fewer points: the whole of PairForce, with its sifting of the list.
+/// A law split into a near part with many points and a far part with few: the whole of PairForce.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
+#include "nanoweft/force/vdw.hpp"
 #include "pair_sum.hpp"
 
 namespace nanoweft::test {
 namespace {
 
-TEST(FarPoints, ManyPointsNearFewFar) {
-  const auto near = makeForce("-pair_points 3"), far = makeForce("-pair_points 1"),
-             both = makeForce(
-                 "-pair_points 3 -pair_far_points 1 -pair_far_from 33.9 -pair_far_width 6.78");
+TEST(FarPoints, TheFarPartIsTheLawBeyondAndASpringWithin) {
+  const auto few = makeForce("-pair_points 1"),
+             both = makeForce("-pair_points 3 -pair_far_points 1 -pair_far_from 24");
   Random random;
-  for (double distance : {15.0, 20.0, 30.0, 33.8}) {
+  // No points are within the near part's range.
+  for (double distance : {37.0, 45.0, 54.0, 60.0}) {
     const auto pair = pairAt(distance, random);
-    EXPECT_EQ(evaluate(*both, pair).energy, evaluate(*near, pair).energy);
-    EXPECT_EQ(norm(evaluate(*both, pair).force[0] - evaluate(*near, pair).force[0]), 0.0);
+    const Sum split = evaluate(*both, pair), plain = evaluate(*few, pair);
+    EXPECT_NEAR(split.energy, plain.energy, 1e-11 * std::abs(plain.energy) + 1e-15);
+    EXPECT_LT(norm(split.force[0] - plain.force[0]),
+              1e-11 * norm(plain.force[0]) + 2 * both->forceUnit());
+    EXPECT_EQ(norm(split.torque[0]), 0.0);
   }
-  for (double distance : {40.7, 45.0, 54.0, 60.0}) {
-    const auto pair = pairAt(distance, random);
-    EXPECT_EQ(evaluate(*both, pair).energy, evaluate(*far, pair).energy);
-    EXPECT_EQ(norm(evaluate(*both, pair).torque[0]), 0.0);
-  }
-  const auto pair = pairAt(37.29, random);  // half way
-  EXPECT_NEAR(evaluate(*both, pair).energy,
-              0.5 * (evaluate(*near, pair).energy + evaluate(*far, pair).energy), 1e-15);
   EXPECT_DOUBLE_EQ(both->reach(), 54.24);
-  EXPECT_DOUBLE_EQ(near->reach(), 54.24 + 2.0 / 3.0 * length);
+}
+
+TEST(FarPoints, BothPartsAddUpToTheLaw) {
+  const PairTable law = Vdw(VdwParameters{}).table();
+  const PairTable near = law.nearPart(24), far = law.farPart(24);
+  for (double r = 6.0; r < 56.0; r += 0.13) {
+    const auto u = law(r * r), n = near(r * r), f = far(r * r);
+    EXPECT_NEAR(n.slope + f.slope, u.slope, 1e-10 * std::abs(u.slope) + 1e-14) << r;
+    EXPECT_NEAR(n.energy + f.energy, u.energy, 1e-10 * std::abs(u.energy) + 1e-12) << r;
+    if (r < 24) {
+      EXPECT_DOUBLE_EQ(f.slope, law.slope(24.0 * 24.0)) << r;
+    } else if (r > 24.001) {
+      EXPECT_EQ(n.slope, 0.0) << r;
+      EXPECT_EQ(n.energy, 0.0) << r;
+    }
+  }
+}
+
+/// Energy per length of two endless straight fibres `distance` apart, the second shifted along.
+double energyOfTwo(const PairForce& force, double distance, double shift) {
+  double sum = 0;
+  for (int k = -5; k <= 5; ++k)
+    sum += force.resolve({k * length + shift, distance, 0}, Quatd{}, Quatd{}).energy;
+  return sum / length;
+}
+
+TEST(FarPoints, FibresSlideAlongEachOtherWithoutCorrugation) {
+  const auto force = makeForce("");
+  double least = 0, most = -1;
+  for (int k = 0; k < 32; ++k) {
+    const double energy = energyOfTwo(*force, 17.0716, k * length / 32);
+    least = std::min(least, energy);
+    most = std::max(most, energy);
+  }
+  EXPECT_LT(most - least, 0.001 * 0.193731);
+  // The limit of many points (model.md 4.1).
+  EXPECT_NEAR(least, -0.193731, 0.001 * 0.193731);
 }
 
 TEST(FarPoints, ForceAndTorqueAreTheGradientOfTheEnergy) {
-  const auto force =
-      makeForce("-pair_points 4 -pair_far_points 2 -pair_far_from 24 -pair_far_width 9");
+  const auto force = makeForce("-pair_points 4 -pair_far_points 2 -pair_far_from 24");
   Random random;
   for (double distance : {22.0, 24.1, 26.0, 28.5, 31.0, 32.9, 35.0}) {
     const auto pair = pairAt(distance, random);

@@ -48,10 +48,14 @@ class ListKeeper {
   /// The box has been sheared by this strain along its tilt, with all segments in it.
   void shear(const Box& box, double strain);
 
-  /// Has the segment, now at `x`, moved so far that a pair might be missing from the drawn ones?
-  bool moved(const double* x, int i) const {
+  /// Has the segment, whose pose is now `p`, moved or turned so far that a pair might be missing
+  /// from the drawn ones?
+  bool moved(const double* p, int i) const {
     const double left = margin_ - 2.0 * stretched_;
-    return !(left >= 0 && squaredWay(x, reference_, i) <= 0.25 * left * left);
+    double way2 = squaredWay(p, reference_, i);
+    // (a + b)^2 <= 1.1 a^2 + 11 b^2, with b the way of the outermost point as the segment turns.
+    if (span_ > 0) way2 = 1.1 * way2 + 11.0 * squaredTurn(p, i);
+    return !(left >= 0 && way2 <= 0.25 * left * left);
   }
   bool tracksMotion() const { return static_cast<bool>(settings_.pairs); }
 
@@ -76,9 +80,19 @@ class ListKeeper {
     const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
     return dot(d, d);
   }
+  double squaredTurn(const double* p, int i) const {
+    const double* e = &axes_[3 * static_cast<std::size_t>(i)];
+    const Vec3d d = axis1(Quatd{p[4], p[5], p[6], p[7]}) - Vec3d{e[0], e[1], e[2]};
+    return span_ * span_ * dot(d, d);
+  }
   void noteReference(const State& state, int i) {
-    for (int d = 0; d < 3; ++d)
-      reference_[static_cast<std::size_t>(3 * i + d)] = state.pose[8 * i + d];
+    const auto at = static_cast<std::size_t>(3 * i);
+    for (std::size_t d = 0; d < 3; ++d)
+      reference_[at + d] = state.pose[8 * i + static_cast<int>(d)];
+    if (span_ > 0) {
+      const Vec3d e = axis1(state.orientation(i));
+      axes_[at] = e.x, axes_[at + 1] = e.y, axes_[at + 2] = e.z;
+    }
   }
   void makePairLists(State& state, const Domain& domain, const CellIndex& cells);
   void listKinds(const State& state);
@@ -101,6 +115,9 @@ class ListKeeper {
   std::vector<Share> shares_;
   std::vector<double> listed_;     ///< [3]: where segments were at the rebuild
   std::vector<double> reference_;  ///< [3]: where they were at the drawing
+  /// How far the outermost point lies from the centre, where a law is split; else 0.
+  double span_ = 0;
+  std::vector<double> axes_;  ///< [3]: axes at the drawing, if span_ > 0
   std::vector<double> work_;
   std::int64_t rebuilds_ = 0;
   // Counted since the last rebuild, to tune the skin.

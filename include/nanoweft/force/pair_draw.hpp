@@ -5,33 +5,44 @@
 #include <cstddef>
 #include <vector>
 
+#include "nanoweft/base/both.hpp"
 #include "nanoweft/force/lane_pairs.hpp"
 #include "nanoweft/force/pair_runs.hpp"
-#include "nanoweft/force/switch.hpp"
 #include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
 
-/// The drawn pairs. Near and far pairs cannot leave their side of the range in which fewer
-/// quadrature points take over, so every step resolves them without looking at their distance; if
-/// they drift out of reach, they add zero. All other pairs form the rim.
+/// The drawn pairs. Every step resolves those inside without looking at their distance; if they
+/// drift out of reach, they add zero. Those that may be on either side form the rim.
 struct DrawnPairs {
-  LanePairs near, far;        ///< resolved with all points, with fewer points
+  LanePairs inside;
   std::vector<ListPair> rim;  ///< every step looks at their distance (pair_sift.hpp)
-  /// Where near, far and rim pairs of one chunk of the list end. The pairs of a chunk are resolved
-  /// together, while its segments are in the cache.
+  LanePairs near;             ///< all that the near part of a law that is split may act on
+  /// Where the pairs of one chunk of the list end. They are resolved together, while the chunk's
+  /// segments are in the cache.
   struct Ends {
-    LanePairs::Place near, far;
+    LanePairs::Place inside, near;
     std::size_t rim;
   };
   std::vector<Ends> ends;
 };
 
-/// Centre distances by which a drawing tells near, far and rim pairs apart.
+/// The near part of a law that is split: it acts between points, up to a distance.
+struct NearRange {
+  double cutoff = 0;  ///< 0: the law is not split
+  Both<int> points = 0;
+  Both<double> length = 0;  ///< of the segments
+
+  /// Places of the outermost points, from the centres.
+  Both<double> span() const {
+    return {0.5 * length.i * (points.i - 1) / points.i, 0.5 * length.j * (points.j - 1) / points.j};
+  }
+};
+
 struct DrawRanges {
-  Switch blend;   ///< where fewer points take over; at infinity when they do not
   double reach;   ///< centre distance beyond which a pair has no force
-  double margin;  ///< no segment moves farther than half of this until the next drawing
+  double margin;  ///< no point of a segment moves farther than half of this until the next drawing
+  NearRange near;
 };
 
 void drawPairs(const PairRuns& listed, const double* pose, const MinimumImage& nearest,

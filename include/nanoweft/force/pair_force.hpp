@@ -6,14 +6,15 @@
 ///
 /// Therefore the force between two fibres does not depend on T beyond the quadrature error. The
 /// code of a law computes u = Ti Tj w. The two segments may be of different kinds; then i is the
-/// one of the kind that PairForces::Class names first. Pairs far apart may use fewer points;
-/// pair_sift.hpp says how one sum gives way to the other. Laws are chosen by name. A new law
+/// one of the kind that PairForces::Class names first. A law that reaches far may be split
+/// (PointChoice). Laws are chosen by name. A new law
 /// of the gap between surfaces is a file like hamaker.cpp (see surface_law.hpp). Another one is a
 /// header like hertz.hpp and an entry in pair_forces_read.cpp; one that is no table also needs a
 /// makePairForce in pair_force.cpp, which instantiates the kernels and takes long to compile.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -21,7 +22,6 @@
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/force/pair_draw.hpp"
 #include "nanoweft/force/sums.hpp"
-#include "nanoweft/force/switch.hpp"
 #include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
@@ -85,10 +85,19 @@ struct PairAction {
   Vec3d force;
 };
 
-/// How many quadrature points the segments of a pair have, when it is near and when it is far.
+/// How many quadrature points the segments of a pair have. A law u with fewer far points is split
+/// into two, each summed over its own points:
+///
+///     far part   f(max(r, from)),           f(r) = u'(r)/r
+///     near part  f(r) - f(from) for r < from, zero beyond
+///
+/// The far part varies so slowly that few points give its sum over a fibre to the last digits that
+/// matter; the near part concerns few pairs.
 struct PointChoice {
   Both<int> near = 3, far = 3;
-  Switch blend;  ///< centre distances where `far` takes over; at infinity when it never does
+  double from = std::numeric_limits<double>::infinity();  ///< distance of points
+
+  bool split() const { return far != near; }
 };
 
 inline constexpr int mostPairPoints = 99;
@@ -129,7 +138,11 @@ class PairForce {
   /// Draws from a list the pairs that `add` resolves until a segment has moved by half the margin.
   void draw(const PairRuns& listed, const double* pose, const MinimumImage& nearest, double margin,
             DrawnPairs& drawn) const {
-    drawPairs(listed, pose, nearest, {points_.blend, reach_, margin}, drawn);
+    drawPairs(listed, pose, nearest, {reach_, margin, nearRange()}, drawn);
+  }
+  /// Of a law that is split.
+  NearRange nearRange() const {
+    return points_.split() ? NearRange{points_.from, points_.near, length_} : NearRange{};
   }
   /// Adds the forces of the drawn pairs to job.sum and, when `energies`, their energy to the tally.
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;

@@ -7,8 +7,8 @@
 #include "nanoweft/base/both.hpp"
 #include "nanoweft/base/floats.hpp"
 #include "nanoweft/force/gather.hpp"
+#include "nanoweft/force/lane_pairs.hpp"
 #include "nanoweft/force/pair_force.hpp"
-#include "nanoweft/force/pair_sift.hpp"
 #include "nanoweft/force/pair_table.hpp"
 #include "nanoweft/force/sums.hpp"
 
@@ -264,12 +264,11 @@ class LaneSums {
   }
 
   NW_INLINE void add(const LaneRow<N>& row, PointSums<Lanes> sums, const KernelUnits& units,
-                     const Weight& weight, PairTally& tally) {
+                     PairTally& tally) {
     const auto counts = count_ > Lanes(row.place);
     for (Lanes* sum : {&sums.f, &sums.a, &sums.b, &sums.ab, &sums.energy})
       *sum = select(counts, *sum, Lanes(0.0));
-    auto pair = assemble<N>(sums, units, row.separation, row.ei, row.ej);
-    if constexpr (Energies) weight.apply(row.separation, pair);
+    const auto pair = assemble<N>(sums, units, row.separation, row.ei, row.ej);
     LaneIntegers onJ[6];
     auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v) {
       to[0] = nearestIntegers(v.x);
@@ -293,8 +292,7 @@ class LaneSums {
         if (row.counts(k) && job_.mine(group_.first[k]))
           tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)],
                            tally.energyUnit);
-    // A blended pair comes twice, fading and rising, but its damping must act once.
-    if (job_.viscousSum && weight.kind != Weight::rising) addViscous(job_, units, row);
+    if (job_.viscousSum) addViscous(job_, units, row);
   }
 
   NW_INLINE void close() const { put(group_.first, total_); }
@@ -335,11 +333,10 @@ NW_INLINE void fetchAhead(const PairJob& job, const std::int32_t* partners,
   }
 }
 
-/// Adds the forces of pairs with N (or any) points on each axis; `weight` multiplies the pairs'
-/// energies.
+/// Adds the forces of pairs with N (or any) points on each axis.
 template <bool Energies, int N, class Law>
-void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
-              const LaneView& pairs, const PairJob& job, PairTally& tally) {
+void addPairs(const Law& shared, const KernelUnits& units, const LaneView& pairs,
+              const PairJob& job, PairTally& tally) {
   typename Law::Kernel law(shared);
   keepInMemory(law);
   const std::int32_t* partners = pairs.partners;
@@ -348,7 +345,7 @@ void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
     for (int k = 0; k < group.depth(); ++k) {
       fetchAhead(job, partners + k * laneCount, pairs.end);
       const auto row = sums.row(partners, k);
-      sums.add(row, sumPairPoints<Energies, N>(law, units, row.shape()), units, weight, tally);
+      sums.add(row, sumPairPoints<Energies, N>(law, units, row.shape()), units, tally);
     }
     sums.close();
     partners += group.depth() * laneCount;
@@ -358,8 +355,8 @@ void addPairs(const Law& shared, const KernelUnits& units, const Weight& weight,
 /// As addPairs, with the sums over points in single precision, two rows at a time. Centre distances
 /// and axes before the sums, and forces and torques after them, are in double precision.
 template <bool Energies, int N, class Law>
-void addPairsSingle(const Law& shared, const KernelUnits& units, const Weight& weight,
-                    const LaneView& pairs, const PairJob& job, PairTally& tally) {
+void addPairsSingle(const Law& shared, const KernelUnits& units, const LaneView& pairs,
+                    const PairJob& job, PairTally& tally) {
   typename Law::Kernel law(shared);
   keepInMemory(law);
   const std::int32_t* partners = pairs.partners;
@@ -384,7 +381,7 @@ void addPairsSingle(const Law& shared, const KernelUnits& units, const Weight& w
         PointSums<Lanes> part{half(points.f, n), half(points.a, n), half(points.b, n),
                               half(points.ab, n)};
         if constexpr (Energies) part.energy = half(points.energy, n);
-        sums.add(rows[n], part, units, weight, tally);
+        sums.add(rows[n], part, units, tally);
       }
     }
     sums.close();

@@ -58,11 +58,18 @@ GivenRange readOwnRange(const PairReader& read, const std::string& law, const Gi
 /// rounded value.
 double restOf(const VdwParameters& p);
 
-/// Points for near and far pairs of vdw, the only law that has a far range, or in a run without it
-/// of another law or none.
-PointChoice readPoints(const PairReader& read, double rest, const VdwParameters& vdw);
-/// Points of a law without a far range, whose options have been read.
-PointChoice nearPoints(const PairReader& read, double rest, const LawWidth& width);
+/// What the number of points of a law follows from.
+struct PointNeed {
+  double rest;  ///< distance of axes
+  LawWidth width;
+  double switchFrom = 0;  ///< where its switch begins, and a far part must have begun; 0: it is
+                          ///< never split
+};
+
+/// Points of vdw, the only law that may be split, or in a run without it of another law or none.
+PointChoice readPoints(const PairReader& read, const PointNeed& need);
+/// Points of a law that is not split, beside others for which the options have been read.
+PointChoice nearPoints(const PairReader& read, const PointNeed& need);
 
 /// Values of the surface laws by name; NaN where none is known.
 using SurfaceValues = std::map<std::string, SurfaceLawType::Values>;
@@ -70,11 +77,11 @@ using SurfaceValues = std::map<std::string, SurfaceLawType::Values>;
 /// The default values between two kinds.
 SurfaceValues surfaceValuesBetween(const SurfaceValues& a, const SurfaceValues& b);
 
-/// A surface law of two kinds, with what the number of points follows from.
+/// A surface law of two kinds.
 struct ReadSurfaceLaw {
   SurfaceLaw law;
   std::string description;
-  LawWidth width;
+  PointNeed need;
 };
 
 /// Reads one of surfaceLaws(). `values` are the defaults and become what holds. Empty when it is

@@ -122,6 +122,9 @@ class PairTable : public PairRows<double> {
   PairTable(const Joins& joins, const std::function<double(double r)>& slope);
 
   const Joins& joins() const { return joins_; }
+  /// The two parts of the law when it is split at a distance (PointChoice).
+  PairTable nearPart(double from) const;
+  PairTable farPart(double from) const;
 
  private:
   Joins joins_;

@@ -15,10 +15,10 @@
 
 namespace nanoweft {
 
-/// Largest spacing of points over sqrt(2 d g): for near pairs (5 points for the (10,10) tube), for
-/// a soft repulsion, for surface laws, and for far pairs (1 point).
+/// Largest spacing of points over sqrt(2 d g): for laws of adhesion (5 points for the (10,10)
+/// tube), for a soft repulsion, for surface laws, and for the far part of a law (1 point).
 inline constexpr double nearSpacing = 0.24, softSpacing = 0.42, surfaceSpacing = 0.32,
-                        farSpacing = 0.44;
+                        farSpacing = 0.5;
 /// Beyond this spacing, forces show the single points rather than a fibre.
 inline constexpr double coarsestSpacing = 0.8;
 

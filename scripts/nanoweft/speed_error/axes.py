@@ -45,7 +45,7 @@ class Axes:
         """Fills in the errors."""
         work = {"time step": self.step, "points": self.points, "range": self.range,
                 "length": self.length, "far points": self.far_points, "settings": self.whole,
-                "precision": self.precision, "default": self.near_default}
+                "precision": self.precision}
         self.program.each(lambda s: work[s.axis](s), settings)
 
     # Two tubes
@@ -55,7 +55,7 @@ class Axes:
         """What `independent` needs of the options."""
         far = None
         if options.get("pair_far_points", options["pair_points"]) < options["pair_points"]:
-            far = (options["pair_far_points"], options["pair_far_from"], options["pair_far_width"])
+            far = options["pair_far_points"], options["pair_far_from"]
         return {"splice": options["vdw_splice"], "switch": options["pair_switch"],
                 "cutoff": options["pair_cutoff"], "far": far}
 
@@ -128,11 +128,6 @@ class Axes:
         setting.error("collapse", "energy drift", self.drift(setting.options))
         setting.error("collapse", "energy drift without far points", self.drift(near))
 
-    def near_default(self, setting):
-        fine = dict(DEFAULT, pair_points=9)
-        self.two_tubes(setting, fine)
-        self.force_error(setting, fine)
-
     def single_offered(self):
         """Builds for processors without AVX-512 refuse single precision."""
         try:
@@ -156,7 +151,7 @@ class Axes:
         setting.error("collapse", "energy drift", self.drift(setting.options, setting.dt))
 
     def drift(self, options, dt=10):
-        """Seven tubes 24 A apart fall together: pairs cross the blend. Largest error of the energy
+        """Seven tubes 24 A apart fall together. Largest error of the energy
         over the largest kinetic energy."""
         rows, _, _ = self.program.table(dict(
             options, scene="file", scene_file=self.loose, ts_dt=dt,

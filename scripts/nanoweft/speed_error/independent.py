@@ -52,33 +52,42 @@ def law(r, splice, switch, cutoff):
     return u * (1 - step((r - switch) / (cutoff - switch)))
 
 
-def pair_energies(d, along, n, T, splice, switch, cutoff):
+def spring(r, begin, *options):
+    """The far part of a law: the law from `begin` on, within it a spring of the same slope there."""
+    step = 1e-3
+    slope = (law(begin + step, *options) - law(begin - step, *options)) / (2 * step)
+    within = law(begin, *options) + slope / (2 * begin) * (r**2 - begin**2)
+    return np.where(r > begin, law(r, *options), within)
+
+
+def pair_energies(d, along, n, T, energy):
     """U_ij of parallel segments at distance d whose centres are `along` apart;
-    the law is an energy per length squared."""
+    `energy` is one per length squared."""
     shift = (np.arange(n)[:, None] - np.arange(n)) * T / n
     r = np.sqrt(d[..., None, None]**2 + (along[..., None, None] + shift)**2)
-    return (T / LENGTH)**2 * law(r, splice, switch, cutoff).mean(axis=(-1, -2))
+    return (T / LENGTH)**2 * energy(r).mean(axis=(-1, -2))
 
 
 def tube_energy(d, offset, n, T=LENGTH, splice="smooth", switch=3 * LENGTH, cutoff=4 * LENGTH,
                 far=None):
-    """Energy per length of two infinite parallel tubes;
-    `far`: points, beginning, width of the blend."""
+    """Energy per length of two infinite parallel tubes; `far`: points of the far part, and where
+    it begins."""
     d, offset = np.broadcast_arrays(np.asarray(d, float), np.asarray(offset, float))
     reach = int(np.ceil(cutoff / T)) + 1
     along = offset[..., None] + T * np.arange(-reach, reach + 1)
     across = np.broadcast_to(d[..., None], along.shape)
-    u = pair_energies(across, along, n, T, splice, switch, cutoff)
-    if far:
-        m, begin, width = far
-        w = step((np.hypot(across, along) - begin) / width)
-        u = (1 - w) * u + w * pair_energies(across, along, m, T, splice, switch, cutoff)
+    options = splice, switch, cutoff
+    if not far:
+        return pair_energies(across, along, n, T, lambda r: law(r, *options)).sum(-1) / T
+    m, begin = far
+    u = pair_energies(across, along, n, T, lambda r: law(r, *options) - spring(r, begin, *options))
+    u += pair_energies(across, along, m, T, lambda r: spring(r, begin, *options))
     return u.sum(-1) / T
 
 
 def resting_energies(n, T=LENGTH, offsets=16, **options):
     """Energy per length at the best distance for offsets over one segment."""
-    # The energy repeats after a point's spacing (after a segment with a blend).
+    # The energy repeats after a point's spacing (after a segment if the law is split).
     period = T if options.get("far") else T / n
     offset = np.arange(offsets) * period / offsets
     low, high = np.full(offsets, 15.5), np.full(offsets, 19.5)

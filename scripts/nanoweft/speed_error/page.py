@@ -46,7 +46,7 @@ setting's own step; largest error of the energy over the largest kinetic energy.
 
 A lower left point is better; the grey band joins the settings that no other beats in both. Points and far points are judged against
 9 points of the same splice at the same range, the option files (stars) also against the wider range and with their own
-time step in the cost. A label `5, 1 · 2.5T` means five points, one for pairs from 2.5 T on.
+time step in the cost. A label `5, 1 · 2.5T` means five points, one for what reaches beyond 2.5 T.
 """
 
 POINTS = """
@@ -69,21 +69,13 @@ evenly than those along a bundle.
 """
 
 FAR = """
-## Fewer points for pairs far apart
+## Fewer points for the far part of a law
 
 {table}
 
-`3, 1 from 2.5T`: 3 points, blended over T/2 into 1 point beginning at a centre distance of 2.5 T. The energy of a pair stays one smooth
-function, so nothing drifts: compare the last two columns of errors.
-"""
-
-DEFAULT = """
-## Around the default
-
-{table}
-
-The default for (10,10) tubes is `5, 1 from 30 A over 2 A`: five points, one for pairs whose centres are more than 30 A apart, blended over
-2 A. Forces against 9 points everywhere, same range.
+`5, 1 beyond 2T`, the default for (10,10) tubes: the law is split at 2 T (model.md, 4.1). Five points sum what happens within, one
+point what reaches beyond. Both are laws of their own, so nothing drifts: compare the last two columns of errors. Nearer splits are
+cheaper, and give the one point more than it can resolve.
 """
 
 PRECISION = """
@@ -236,8 +228,6 @@ def write(facts, rows, folder):
                     paper_corrugation=f"{100 * paper:.1f} %"),
         POINTS.format(table=errors(rows, "points", both), sums=facts["sums"], **facts["adhesion"]),
         FAR.format(table=errors(rows, "far points")),
-        *([DEFAULT.format(table=errors(rows, "default"))]
-          if any(r["axis"] == "default" for r in rows) else []),
         *([PRECISION.format(table=errors(rows, "precision"))]
           if any(r["axis"] == "precision" for r in rows) else []),
         RANGE.format(table=errors(rows, "range")),

@@ -41,7 +41,7 @@ def kind(row):
 
 def short(row):
     name = row["setting"]
-    return name.split()[0] if row["axis"] == "points" else name.replace(" from ", " · ")
+    return name.split()[0] if row["axis"] == "points" else name.replace(" beyond ", " · ")
 
 
 def panel(axes, rows, title):

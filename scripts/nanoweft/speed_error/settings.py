@@ -47,8 +47,9 @@ def option_file(name):
 def precisions(quick):
     """Settings in doubles and the same in single precision."""
     points = {"3": DEFAULT, "5": dict(DEFAULT, pair_points=5),
-              "3, 1 from 2T": dict(DEFAULT, pair_far_points=1, pair_far_from=2 * LENGTH,
-                                     pair_far_width=LENGTH / 2)}
+              "3, 1 beyond 2T": dict(DEFAULT, pair_far_points=1, pair_far_from=2 * LENGTH),
+              "5, 1 beyond 2T": dict(DEFAULT, pair_points=5, pair_far_points=1,
+                                     pair_far_from=2 * LENGTH)}
     return [Setting("precision", f"{name} {precision}",
                     dict(points[name], pair_precision=precision))
             for name in (("3",) if quick else points) for precision in ("double", "single")]
@@ -72,16 +73,10 @@ def all_settings(quick, single):
         made.append(Setting("range", "{}T to {}T".format(*wide), ranged(DEFAULT, wide)))
     for n in pick((3, 4, 5), (5,)):
         for m in pick((1, 2), (1,)):
-            for begin in pick((2, 2.5, 3), (2.5,)):
+            for begin in pick((1.5, 1.75, 2, 2.5), (2,)):
                 options = dict(DEFAULT, pair_points=n, pair_far_points=m,
-                               pair_far_from=begin * LENGTH, pair_far_width=LENGTH / 2)
-                made.append(Setting("far points", f"{n}, {m} from {begin}T", options))
-    for n in pick((4, 5), (5,)):
-        for begin in pick((28, 30, 32), (30,)):
-            for width in pick((2, 4), (2,)):
-                options = dict(DEFAULT, pair_points=n, pair_far_points=1, pair_far_from=begin,
-                               pair_far_width=width)
-                made.append(Setting("default", f"{n}, 1 from {begin} A over {width} A", options))
+                               pair_far_from=begin * LENGTH)
+                made.append(Setting("far points", f"{n}, {m} beyond {begin}T", options))
     for times in pick((0.5, 1, 2, 4), (1, 2)):
         options = dict(DEFAULT, pair_points=POINTS_OF_LENGTH[times])
         made.append(Setting("length", f"{times} x 2 rf", options, length=times * LENGTH))
