@@ -53,7 +53,7 @@ def law(r, splice, switch, cutoff):
 
 
 def spring(r, begin, *options):
-    """The far part of a law: the law from `begin` on, within it a spring of the same slope there."""
+    """The far part of a law: the law from `begin` on, within it a spring of the same slope."""
     step = 1e-3
     slope = (law(begin + step, *options) - law(begin - step, *options)) / (2 * step)
     within = law(begin, *options) + slope / (2 * begin) * (r**2 - begin**2)
