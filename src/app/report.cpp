@@ -84,9 +84,12 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
     return;
   }
   if (!c.mixed()) {
-    const auto error = expectedForceError(p, a);
+    const auto error = expectedForceErrors(p, a);
     rest = format(", expected force error %s; within a fibre from %d segments (%.5g %s) on",
-                  error ? format("%.2g %% (bundle)", 100 * *error).c_str() : "not estimated",
+                  error ? format("%.2g %% (bundle), %.2g %% (crossing)", 100 * error->bundle,
+                                 100 * error->crossing)
+                              .c_str()
+                        : "not estimated",
                   p.exclude(), p.exclude() * a.length, units.length);
   }
   PetscPrintf(comm, "    %s points a segment%s%s\n", pointsOf(points.near, a, b).c_str(),

@@ -1,6 +1,7 @@
 /// The options of the pair forces and the defaults that follow from fibre and law.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "nanoweft/fibre/kinds.hpp"
 #include "nanoweft/force/contact_read.hpp"
 #include "nanoweft/force/hertz.hpp"
+#include "nanoweft/force/pair_accuracy.hpp"
 #include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/force/pair_reader.hpp"
 #include "nanoweft/force/quadrature.hpp"
@@ -242,9 +244,7 @@ std::unique_ptr<PairForce> makeHertz(const PairReader& read, double stiffness,
 }
 
 std::unique_ptr<PairForce> makeSurface(const PairReader& read, const ReadSurfaceLaw& found,
-                                       PairChoice choice) {
-  choice.points = nearPoints(read, found.need);
-  choice.single = false;
+                                       const PairChoice& choice) {
   PairTraits traits =
       traitsOf(read, found.law, found.need.rest, found.need.width, found.description);
   traits.keepsApart = found.law.keepsApart();
@@ -270,6 +270,30 @@ void readChosen(PairReader& read, std::vector<std::string>& laws) {
   laws = read.chosen;
 }
 
+void readAccuracy(PairReader& read) {
+  OptionSection s(read.options, topic, read.is("hertz") || !rangedLaws(read).empty(),
+                  "-pair is " + read.laws());
+  read.accuracy = s.maybeReal(
+      "pair_accuracy", "none", "",
+      "largest rms error of forces in a bundle and at a crossing, over their rms; chooses "
+      "-pair_points and far points (between kinds they follow from the laws' widths)",
+      {1e-6, 1.0});
+}
+
+/// A law's force with the points that options say, or that keep the accuracy asked for.
+using MakeForce = std::function<std::unique_ptr<PairForce>(const PairChoice&)>;
+std::unique_ptr<PairForce> makeWithPoints(const PairReader& read, const PointNeed& need,
+                                          PairChoice choice, const MakeForce& make) {
+  if (read.accuracy && !read.mixed())
+    choice.points = pointsByAccuracy(*read.accuracy, read.a, need.rest, need.switchFrom,
+                                     [&](const PointChoice& points) {
+                                       PairChoice tried = choice;
+                                       tried.points = points;
+                                       return make(tried);
+                                     });
+  return make(choice);
+}
+
 /// Reads all that concerns two kinds, with the law's defaults between them; `law` gets what holds.
 /// The pair forces of all laws.
 std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
@@ -284,21 +308,27 @@ std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
   for (const SurfaceLawType& type : surfaceLaws())
     if (auto found = readSurfaceLaw(read, type, range, law.surface))
       surfaces.push_back(std::move(*found));
+  readAccuracy(read);
   std::vector<std::unique_ptr<PairForce>> forces;
+  auto keep = [&](const PointNeed& need, const PairChoice& with, const MakeForce& make) {
+    forces.push_back(makeWithPoints(read, need, with, make));
+  };
   if (read.is("vdw")) {
     const double rest = restOf(vdw) * vdw.length;
-    choice.points =
-        readPoints(read, {rest, {lawWidth(rest, read.a, read.b), nearSpacing}, vdw.switchFrom});
-    forces.push_back(makeVdw(read, vdw, rest, choice));
+    const PointNeed need{rest, {lawWidth(rest, read.a, read.b), nearSpacing}, vdw.switchFrom};
+    choice.points = readPoints(read, need);
+    keep(need, choice, [&](const PairChoice& c) { return makeVdw(read, vdw, rest, c); });
   }
   const PointNeed soft{read.touch(), {lawWidth(read.touch(), read.a, read.b), softSpacing}};
   choice.points = read.is("vdw") ? nearPoints(read, soft) : readPoints(read, soft);
-  if (read.is("hertz")) {
-    PairChoice ofHertz = choice;
-    ofHertz.single = false;
-    forces.push_back(makeHertz(read, law.hertz, ofHertz));
+  PairChoice inDoubles = choice;
+  inDoubles.single = false;
+  if (read.is("hertz"))
+    keep(soft, inDoubles, [&](const PairChoice& c) { return makeHertz(read, law.hertz, c); });
+  for (const ReadSurfaceLaw& found : surfaces) {
+    inDoubles.points = nearPoints(read, found.need);
+    keep(found.need, inDoubles, [&](const PairChoice& c) { return makeSurface(read, found, c); });
   }
-  for (const ReadSurfaceLaw& found : surfaces) forces.push_back(makeSurface(read, found, choice));
   if (auto contact = readContact(read, choice)) forces.push_back(std::move(contact));
   return forces;
 }

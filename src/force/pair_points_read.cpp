@@ -23,6 +23,8 @@ double farFrom(double spacing, double touch) {
   return 0.5 * (touch + std::sqrt(touch * touch + 2.0 * width * width));
 }
 
+constexpr const char* byAccuracy = "-pair_accuracy chooses the points";
+
 /// Points on the segments of one of the kinds.
 struct OwnPoints {
   int near, far;
@@ -31,15 +33,17 @@ struct OwnPoints {
 
 /// The options of far points; `fewer`: may there be fewer than near ones?
 OptionSection farSection(const PairReader& read, const PointNeed& need, bool fewer) {
-  return {read.options, PairReader::topic, need.switchFrom > 0 && fewer,
-          need.switchFrom > 0 ? "-pair_far_points is not below -pair_points"
-                              : "-pair is " + read.laws()};
+  return {read.options, PairReader::topic, need.switchFrom > 0 && fewer && !read.accuracy,
+          read.accuracy         ? byAccuracy
+          : need.switchFrom > 0 ? "-pair_far_points is not below -pair_points"
+                                : "-pair is " + read.laws()};
 }
 
 /// `far`: are the options of far points meant for this law?
 OwnPoints readOwnPoints(const PairReader& read, const Fibre& f, const PointNeed& need, bool far) {
   const OptionPrefix prefix(read.options, f.kind);
-  OptionSection s(read.options, PairReader::topic, !read.is("none"), "-pair is none");
+  OptionSection s(read.options, PairReader::topic, !read.is("none") && !read.accuracy,
+                  read.accuracy ? byAccuracy : "-pair is none");
   auto needed = [&](double distance, const LawWidth& width) {
     const int points = pointsNeeded(f.length, distance, width.gap, width.spacing);
     // A few points too little are better than a kernel that takes any number of them.

@@ -19,79 +19,68 @@ constexpr std::uint32_t samples = 30;
 /// Most point pairs of a segment with one neighbouring fibre for which the error is estimated.
 constexpr double mostPointPairs = 2e4;
 
-/// Endless straight fibres along x on a hexagonal grid, as relaxed fabrics have them: places vary
-/// by 0.003 rf (0.02 A for the (10,10) tube), axes by 0.002 rad.
-class Bundle {
+/// Force on one segment, as the run sums it and with many points.
+struct Forces {
+  Vec3d asRun, exact;
+};
+
+struct Placed {
+  Vec3d x;
+  Quatd q;
+};
+
+/// The pair force with the numbers of points that are compared, and the disorder of a relaxed
+/// fabric: places vary by 0.003 rf (0.02 A for the (10,10) tube), axes by 0.002 rad.
+class Comparison {
  public:
-  Bundle(const PairForce& pair, const Fibre& fibre)
-      : pair_(pair), length_(fibre.length), rest_(pair.restDistance()), radius_(fibre.radius) {
-    const int needed = pointsNeeded(length_, rest_, pair_.width().gap, nearSpacing);
-    many_ = std::max(7, static_cast<int>(std::ceil(2.6 * needed)));
-    const double row = (pair_.cutoff() / length_ + 2) * many_ * many_;
-    if (!(row <= mostPointPairs)) return;
-    const double spacing = restSpacing(fibre);
-    for (int a = -rings; a <= rings; ++a)
-      for (int b = -rings; b <= rings; ++b)
-        if (std::abs(a + b) <= rings)
-          places_.push_back({0, spacing * (a + 0.5 * b), spacing * std::sqrt(0.75) * b});
+  Comparison(const PairForce& pair, const Fibre& fibre)
+      : pair_(pair), fibre_(fibre), rest_(pair.restDistance()) {
+    const int needed = pointsNeeded(fibre.length, rest_, pair_.width().gap, nearSpacing);
+    many_ = std::max({7, static_cast<int>(std::ceil(2.6 * needed)), 2 * pair.points().near.i});
   }
 
-  /// Does the law reach so far, or is it so narrow, that sums over the bundle would take minutes?
-  bool tooLarge() const { return places_.empty(); }
+  /// Does the law reach so far, or is it so narrow, that sums would take minutes?
+  bool tooLarge() const {
+    return !((pair_.cutoff() / length() + 2) * many_ * many_ <= mostPointPairs);
+  }
+  double length() const { return fibre_.length; }
+  double cutoff() const { return pair_.cutoff(); }
+  /// Segments on either side of a place that its force reaches.
+  int half() const { return static_cast<int>(pair_.cutoff() / length()) + 2; }
 
-  /// Force on one segment, as the run sums it and with many points.
-  struct Forces {
-    Vec3d asRun, exact;
-  };
-  Forces forces(std::uint32_t sample) const {
-    Forces sum;
-    // Each sample on another fibre, in the middle or at the edge.
-    const std::size_t own = 7 * sample % places_.size();
-    const Placed i = placed(places_[own], -1, sample);
-    const double reach = pair_.cutoff() + length_;
-    const int half = static_cast<int>(reach / length_) + 1;
-    for (std::size_t fibre = 0; fibre < places_.size(); ++fibre) {
-      const Vec3d across = places_[fibre] - places_[own];
-      if (fibre == own || norm(across) > pair_.cutoff()) continue;
-      const auto id = static_cast<std::int64_t>(1000 * fibre);
-      const double shift = length_ * uniformPair(0, Purpose::errorEstimate, id, sample)[0];
-      for (int k = -half; k <= half; ++k) {
-        const Vec3d along{k * length_ + shift, 0, 0};
-        const Placed j = placed(places_[fibre] + along, id + half + k, sample);
-        const Vec3d separation = j.x - i.x;
-        if (norm(separation) > reach) continue;
-        sum.asRun += pair_.resolve(separation, i.q, j.q).force;
-        sum.exact += pair_.average(many_, separation, axis1(i.q), axis1(j.q)).force;
-      }
-    }
-    return sum;
+  void add(const Placed& i, const Placed& j, Forces& sum) const {
+    const Vec3d separation = j.x - i.x;
+    if (norm(separation) > pair_.cutoff() + length()) return;
+    sum.asRun += pair_.resolve(separation, i.q, j.q).force;
+    sum.exact += pair_.average(many_, separation, axis1(i.q), axis1(j.q)).force;
   }
 
- private:
-  struct Placed {
-    Vec3d x;
-    Quatd q;
-  };
-
-  Placed placed(const Vec3d& x, std::int64_t id, std::uint32_t sample) const {
+  Placed placed(const Vec3d& x, const Quatd& q, std::int64_t id, std::uint32_t sample) const {
     auto normal = [&](std::uint64_t what) {
       return normalDraw(what, Purpose::errorEstimate, id, sample);
     };
-    return {x + (0.003 * radius_) * Vec3d{normal(1), normal(2), normal(3)},
-            rotation({0.0, 0.002 * normal(4), 0.002 * normal(5)})};
+    return {x + (0.003 * fibre_.radius) * Vec3d{normal(1), normal(2), normal(3)},
+            q * rotation({0.0, 0.002 * normal(4), 0.002 * normal(5)})};
   }
 
-  /// Distance of neighbours with the least energy, or with the overlap of a soft repulsion.
-  double restSpacing(const Fibre& fibre) const {
-    if (rest_ <= fibre.diameter()) return fibre.diameter() - hertzOverlap * fibre.radius;
+  /// Distance with the least energy, or with the overlap of a soft repulsion, of two endless
+  /// straight fibres; `along` and `across`: direction of the other and the position of its middle.
+  double restSpacing(const Vec3d& along, const Vec3d& across) const {
+    if (rest_ <= fibre_.diameter()) return fibre_.diameter() - hertzOverlap * fibre_.radius;
     auto energy = [&](double distance) {
       double sum = 0;
-      const int half = static_cast<int>(pair_.cutoff() / length_) + 2;
-      for (int k = -half; k <= half; ++k)
-        sum += pair_.average(many_, {k * length_, distance, 0}, {1, 0, 0}, {1, 0, 0}).energy;
+      const bool crossed = along.y != 0;
+      for (int k = -half(); k <= half(); ++k)
+        for (int l = crossed ? -half() : 0; l <= (crossed ? half() : 0); ++l)
+          sum +=
+              pair_
+                  .average(many_,
+                           distance * across + (k * length()) * along - Vec3d{l * length(), 0, 0},
+                           {1, 0, 0}, along)
+                  .energy;
       return sum;
     };
-    double low = 0.5 * (rest_ + fibre.diameter()), high = rest_;
+    double low = 0.5 * (rest_ + fibre_.diameter()), high = rest_;
     const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
     for (int k = 0; k < 25; ++k) {
       const double a = high - golden * (high - low), b = low + golden * (high - low);
@@ -103,11 +92,75 @@ class Bundle {
     return 0.5 * (low + high);
   }
 
+ private:
   const PairForce& pair_;
-  double length_, rest_, radius_;
+  const Fibre& fibre_;
+  double rest_;
   int many_;
-  std::vector<Vec3d> places_;
 };
+
+/// Sums squares of errors and of forces.
+class Rms {
+ public:
+  void add(const Forces& f) {
+    error_ += dot(f.asRun - f.exact, f.asRun - f.exact);
+    size_ += dot(f.exact, f.exact);
+  }
+  double value() const { return size_ > 0 ? std::sqrt(error_ / size_) : 0.0; }
+
+ private:
+  double error_ = 0, size_ = 0;
+};
+
+/// In endless straight fibres along x on a hexagonal grid, on segments in the middle or at the
+/// edge.
+double errorInBundle(const Comparison& c) {
+  std::vector<Vec3d> places;
+  const double spacing = c.restSpacing({1, 0, 0}, {0, 1, 0});
+  for (int a = -rings; a <= rings; ++a)
+    for (int b = -rings; b <= rings; ++b)
+      if (std::abs(a + b) <= rings)
+        places.push_back({0, spacing * (a + 0.5 * b), spacing * std::sqrt(0.75) * b});
+  Rms rms;
+  for (std::uint32_t sample = 0; sample < samples; ++sample) {
+    const std::size_t own = 7 * sample % places.size();
+    const Placed i = c.placed(places[own], Quatd{}, -1, sample);
+    Forces sum;
+    for (std::size_t fibre = 0; fibre < places.size(); ++fibre) {
+      if (fibre == own || norm(places[fibre] - places[own]) > c.cutoff()) continue;
+      const auto id = static_cast<std::int64_t>(1000 * fibre);
+      const double shift = c.length() * uniformPair(0, Purpose::errorEstimate, id, sample)[0];
+      for (int k = -c.half(); k <= c.half(); ++k)
+        c.add(i,
+              c.placed(places[fibre] + Vec3d{k * c.length() + shift, 0, 0}, Quatd{},
+                       id + c.half() + k, sample),
+              sum);
+    }
+    rms.add(sum);
+  }
+  return rms.value();
+}
+
+/// On the segments of a fibre along x where one along y at rest lies across it.
+double errorAtCrossing(const Comparison& c) {
+  const double distance = c.restSpacing({0, 1, 0}, {0, 0, 1});
+  const Quatd across{std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
+  Rms rms;
+  for (std::uint32_t sample = 0; sample < samples; ++sample) {
+    const auto shift = uniformPair(1, Purpose::errorEstimate, 0, sample);
+    for (int k = -2; k <= 2; ++k) {
+      const Placed i =
+          c.placed({(k + shift[0] - 0.5) * c.length(), 0, 0}, Quatd{}, 1000 + k, sample);
+      Forces sum;
+      for (int l = -c.half(); l <= c.half(); ++l)
+        c.add(i,
+              c.placed({0, (l + shift[1] - 0.5) * c.length(), distance}, across, 2000 + l, sample),
+              sum);
+      rms.add(sum);
+    }
+  }
+  return rms.value();
+}
 
 }  // namespace
 
@@ -121,17 +174,11 @@ double lawWidth(double restDistance, const Fibre& a, const Fibre& b) {
   return gap > 0 ? gap : hertzOverlap * std::min(a.radius, b.radius);
 }
 
-std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre) {
+std::optional<ForceErrors> expectedForceErrors(const PairForce& pair, const Fibre& fibre) {
   if (!pair.keepsApart()) return std::nullopt;
-  const Bundle bundle(pair, fibre);
-  if (bundle.tooLarge()) return std::nullopt;
-  double error = 0, size = 0;
-  for (std::uint32_t sample = 0; sample < samples; ++sample) {
-    const auto [asRun, exact] = bundle.forces(sample);
-    error += dot(asRun - exact, asRun - exact);
-    size += dot(exact, exact);
-  }
-  return size > 0 ? std::sqrt(error / size) : 0.0;
+  const Comparison comparison(pair, fibre);
+  if (comparison.tooLarge()) return std::nullopt;
+  return ForceErrors{errorInBundle(comparison), errorAtCrossing(comparison)};
 }
 
 namespace {

@@ -192,7 +192,7 @@ TEST(PairDefaults, CarbonFibresTouchByTheirTransverseModulus) {
 TEST(ForceError, TheEstimateFallsWithPointsAndMeetsTheBundles) {
   const Fibre tube = cnt1010(nanoUnits());
   auto error = [&](const char* text) {
-    return expectedForceError(*pairOf(text, nanoUnits()), tube).value();
+    return expectedForceErrors(*pairOf(text, nanoUnits()), tube).value().bundle;
   };
   const double three = error("-pair_points 3"), five = error("-pair_points 5"), usual = error(""),
                nine = error("-pair_points 9");
@@ -201,13 +201,31 @@ TEST(ForceError, TheEstimateFallsWithPointsAndMeetsTheBundles) {
   EXPECT_LT(usual, 0.01);
   // The same numbers in metres.
   const Fibre si = cnt1010(siUnits());
-  EXPECT_NEAR(expectedForceError(*pairOf("", siUnits()), si).value() / usual, 1.0, 1e-6);
+  EXPECT_NEAR(expectedForceErrors(*pairOf("", siUnits()), si).value().bundle / usual, 1.0, 1e-6);
 }
 
 TEST(ForceError, WhereTheEstimateWouldTakeMinutesThereIsNone) {
   const Fibre tube = cnt1010(nanoUnits());
   for (const char* text : {"-pair_cutoff 1e9", "-vdw_length 1e9"})
-    EXPECT_FALSE(expectedForceError(*pairOf(text, nanoUnits()), tube)) << text;
+    EXPECT_FALSE(expectedForceErrors(*pairOf(text, nanoUnits()), tube)) << text;
+}
+
+TEST(ForceError, AnAccuracyThatIsAskedForChoosesThePoints) {
+  const Fibre tube = cnt1010(nanoUnits());
+  int before = 0;
+  for (const double accuracy : {0.2, 0.05, 0.02}) {
+    const auto pair = pairOf("-pair_accuracy " + std::to_string(accuracy), nanoUnits());
+    const ForceErrors errors = expectedForceErrors(*pair, tube).value();
+    EXPECT_LE(errors.larger(), 0.5 * accuracy);
+    EXPECT_GT(errors.larger(), 0.02 * accuracy);
+    EXPECT_GE(pair->points().near.i, before);
+    EXPECT_TRUE(pair->points().split());
+    before = pair->points().near.i;
+  }
+  EXPECT_GT(before, 5);
+  const auto hertz = pairOf("-pair hertz -pair_accuracy 0.05", nanoUnits());
+  EXPECT_LE(expectedForceErrors(*hertz, tube).value().larger(), 0.025);
+  EXPECT_FALSE(hertz->points().split());
 }
 
 TEST(ForceError, PointsTooCoarseForTheLawAreNamed) {

@@ -23,8 +23,9 @@ struct PairReader {
   Options& options;
   const UnitSystem& units;
   const Fibre &a, &b;
-  std::string prefix;               ///< of the options meant for these two: "cnt_mw_", or nothing
-  std::vector<std::string> chosen;  ///< laws
+  std::string prefix;                ///< of the options meant for these two: "cnt_mw_", or nothing
+  std::vector<std::string> chosen;   ///< laws
+  std::optional<double> accuracy{};  ///< by which numbers of points are chosen
 
   static constexpr const char* topic = "Pair forces";
 

@@ -29,12 +29,20 @@ int pointsNeeded(double length, double distance, double gap, double spacing);
 /// repulsion.
 double lawWidth(double restDistance, const Fibre& a, const Fibre& b);
 
-/// Rms error of the pair forces on a segment over the rms of these forces, in a slightly disordered
-/// bundle of 61 fibres; the reference is the sum over many points (13 for the (10,10) tube).
-/// Depends on law, points and fibre alone; `pair` is that of two fibres of one kind. Empty when the
-/// estimate would take minutes, for a law that reaches very far or is very narrow against the
-/// segment, and for a law that only attracts, since no bundle rests by it.
-std::optional<double> expectedForceError(const PairForce& pair, const Fibre& fibre);
+/// Rms errors of the pair forces on a segment over the rms of these forces.
+struct ForceErrors {
+  double bundle;    ///< in a slightly disordered bundle of 61 fibres
+  double crossing;  ///< around the place where two fibres at rest cross at a right angle
+
+  double larger() const { return bundle > crossing ? bundle : crossing; }
+};
+
+/// The reference is the sum over many points (13 for the (10,10) tube, and twice those of `pair` at
+/// least). Depends on law, points and
+/// fibre alone; `pair` is that of two fibres of one kind. Empty when the estimate would take
+/// minutes, for a law that reaches very far or is very narrow against the segment, and for a law
+/// that only attracts, since nothing rests by it.
+std::optional<ForceErrors> expectedForceErrors(const PairForce& pair, const Fibre& fibre);
 
 /// Warnings about the number of points that a run uses. `a`, `b`: the fibres of the pair's first
 /// and second segment.

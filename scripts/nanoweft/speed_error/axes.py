@@ -28,6 +28,10 @@ class Axes:
         self.tubes = 1 + 3 * self.rings * (self.rings + 1)
         self.scenes = {"weave": self.weave(),
                        "bundle": generators.bundle(folder / "bundle.h5", rings=self.rings)}
+        # Scenes for errors alone.
+        self.files = self.scenes | {
+            "ring": self.moving("ring", {"ring_segments": 200}),
+            "film": self.moving("film", {"film_fibres": 60, "film_segments": 30})}
 
     def weave(self):
         """A plain weave, five segments between crossings as in the paper,
@@ -41,11 +45,18 @@ class Axes:
             "pair_points": 5, "state_output": file})
         return file
 
+    def moving(self, scene, options):
+        """A scene a few picoseconds after it is let go."""
+        file = self.folder / f"{scene}.h5"
+        self.program.run({"scene": scene, **options, "damping_local": 0.3, "ts_dt": 10,
+                          "ts_max_steps": 200, "pair_points": 5, "state_output": file})
+        return file
+
     def measure(self, settings):
         """Fills in the errors."""
         work = {"time step": self.step, "points": self.points, "range": self.range,
                 "length": self.length, "far points": self.far_points, "settings": self.whole,
-                "precision": self.precision}
+                "precision": self.precision, "accuracy": self.accuracy}
         self.program.each(lambda s: work[s.axis](s), settings)
 
     # Two tubes
@@ -92,12 +103,12 @@ class Axes:
     # Forces
 
     def forces(self, scene, options):
-        state, _ = self.program.final(dict(options, scene="file", scene_file=self.scenes[scene],
+        state, _ = self.program.final(dict(options, scene="file", scene_file=self.files[scene],
                                            ts_max_steps=0), forces=True)
         return state["force"]
 
-    def force_error(self, setting, reference, measure="force"):
-        for scene in self.scenes:
+    def force_error(self, setting, reference, measure="force", scenes=None):
+        for scene in scenes or self.scenes:
             exact = self.forces(scene, reference)
             pair = exact - self.forces(scene, {"pair": "none"})
             setting.error(scene, measure,
@@ -127,6 +138,9 @@ class Axes:
         self.force_error(setting, near, "force, by far points alone")
         setting.error("collapse", "energy drift", self.drift(setting.options))
         setting.error("collapse", "energy drift without far points", self.drift(near))
+
+    def accuracy(self, setting):
+        self.force_error(setting, dict(DEFAULT, pair_points=24), scenes=self.files)
 
     def single_offered(self):
         """Builds for processors without AVX-512 refuse single precision."""
