@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/domain/link_moves.hpp"
@@ -20,12 +21,23 @@ Domain::Domain(State& state, const PartitionSettings& settings)
 
 bool Domain::turnToMetis(const State& state) {
   // METIS takes over only when straight cuts made from measured work are unequal.
-  if (settings_.kind != PartitionSettings::automatic || metis_ || !fresh_) return false;
+  if (settings_.kind != PartitionSettings::automatic || metis_ || failed_ || !fresh_) return false;
   // With few pieces for each rank METIS cuts badly; that pays only against very unequal shares.
   const std::int64_t piecesPerRank = imbalance_ > 1.3 ? 10 : 50;
   if (state.total() < piecesPerRank * settings_.piece * state.ranks()) return false;
   partitioner_ = std::make_unique<MetisPartitioner>(settings_.piece);
+  straight_ = most_;
+  onTrial_ = true;
   return metis_ = true;
+}
+
+void Domain::judgeMetis() {
+  // Equal shares with long borders may be more work than unequal ones with short borders: a pair of
+  // two ranks is resolved by both.
+  if (!std::exchange(onTrial_, false) || most_ < straight_) return;
+  partitioner_ = std::make_unique<RectilinearPartitioner>();
+  metis_ = false;
+  failed_ = true;
 }
 
 void Domain::rebuild(State& state, double range, double cell, const std::vector<double>* known) {
@@ -36,6 +48,7 @@ void Domain::rebuild(State& state, double range, double cell, const std::vector<
     // Shares made from measured work are made anew only when the imbalance has grown since; until
     // then new cuts would be as unequal.
     anew = turnToMetis(state) || !fresh_ || imbalance_ > reached_ + 0.02;
+  if (failed_ && straight_ > 0) anew = true, straight_ = 0;
   if (anew) fresh_ = known != nullptr, reached_ = 0;
   for (double reach = cell;; reach *= 1.5) {
     state.dropGhosts();
@@ -58,12 +71,14 @@ void Domain::rebuild(State& state, double range, double cell, const std::vector<
   }
 }
 
-void Domain::noteWork(const State& state, double ownWork) {
-  double most = ownWork, all = ownWork;
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+void Domain::noteWork(const State& state, double own, double resolved) {
+  double most[2] = {own, resolved}, all = own;
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, state.comm());
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, state.comm());
-  imbalance_ = all > 0 ? most * state.ranks() / all : 1.0;
+  imbalance_ = all > 0 ? most[0] * state.ranks() / all : 1.0;
   if (reached_ == 0) reached_ = imbalance_;
+  most_ = most[1];
+  judgeMetis();
 }
 
 void Domain::layGrid(const State& state, double range, const std::vector<double>& work, bool anew) {

@@ -181,6 +181,7 @@ void ListKeeper::noteWork(const State& state, Domain& domain) {
   // What a step does for each segment (bonds, motion) costs about as much as this many pairs.
   constexpr double pairsPerSegment = 3.0;
   work_.assign(static_cast<std::size_t>(state.owned()), pairsPerSegment);
+  double resolved = pairsPerSegment * state.owned();
   const auto& classes = settings_.pairs.classes();
   for (std::size_t c = 0; c < classes.size(); ++c) {
     // A pair of the first class counts 1.
@@ -188,11 +189,13 @@ void ListKeeper::noteWork(const State& state, Domain& domain) {
       const Both<int> n = classes[k].force->points().near;
       return static_cast<double>(n.i * n.j);
     };
-    pairs_[c].count(pointPairs(c) / pointPairs(0), work_);
+    const double weight = pointPairs(c) / pointPairs(0);
+    pairs_[c].count(weight, work_);
+    resolved += weight * static_cast<double>(pairs_[c].size());
   }
   double sum = 0;
   for (double w : work_) sum += w;
-  domain.noteWork(state, sum);
+  domain.noteWork(state, sum, resolved);
 }
 
 void ListKeeper::tuneSkin(const State& state) {

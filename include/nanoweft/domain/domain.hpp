@@ -27,8 +27,9 @@ class Domain {
   /// alike). Bond partners are found however long the bond.
   void rebuild(State& state, double range, double cell, const std::vector<double>* known);
 
-  /// Takes note of the work that this rank's share has after a rebuild. Collective.
-  void noteWork(const State& state, double ownWork);
+  /// Takes note of the work of this rank after a rebuild: `own` that of its share, `resolved` all
+  /// that it does, with the pairs that another rank resolves too. Collective.
+  void noteWork(const State& state, double own, double resolved);
 
   Halo& halo() { return halo_; }
   const CellGrid& grid() const { return *grid_; }
@@ -53,12 +54,15 @@ class Domain {
 
  private:
   bool turnToMetis(const State& state);
+  void judgeMetis();
   void layGrid(const State& state, double range, const std::vector<double>& work, bool anew);
   bool findPartners(const State& state);
 
   PartitionSettings settings_;
   std::unique_ptr<Partitioner> partitioner_;
-  bool metis_ = false, fresh_ = false;      ///< fresh: the shares were made from measured work
+  bool metis_ = false, fresh_ = false;     ///< fresh: the shares were made from measured work
+  bool onTrial_ = false, failed_ = false;  ///< METIS, where it is one of two choices
+  double most_ = 0, straight_ = 0;  ///< most that a rank does now, and did with straight cuts
   double imbalance_ = 1.0, reached_ = 1.0;  ///< reached: imbalance when the shares were new
   std::unique_ptr<CellGrid> grid_;
   IndexMap local_;
