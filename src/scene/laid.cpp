@@ -15,13 +15,8 @@ KindMix::KindMix(OptionSection& section, const std::string& scene, const SceneCo
     : all_(context.kinds), seed_(context.seed) {
   const std::string option = scene + "_kinds";
   const auto names = section.words(option, "kinds of the fibres; the first of -kinds");
-  const auto known = context.kinds.names();
-  for (const std::string& name : names) {
-    const auto at = std::ranges::find(known, name);
-    if (at == known.end())
-      throw InputError(format("-%s: '%s' is not among -kinds", option.c_str(), name.c_str()));
-    kinds_.push_back(static_cast<int>(at - known.begin()));
-  }
+  for (const std::string& name : names)
+    kinds_.push_back(kindNumber(context.kinds, "-" + option, name));
   if (kinds_.empty()) kinds_.push_back(0);
   if (auto v = section.reals(scene + "_shares", 0, "equal", "",
                              "shares of the kinds in the number of fibres")) {

@@ -30,11 +30,20 @@ constexpr Entry scenes[] = {
     {"braid", makeBraidScene},
     {"knit", makeKnitScene},
     {"text", makeTextScene},
+    {"lammps", makeLammpsScene},
     {"file", makeFileScene},
 };
 // clang-format on
 
 }  // namespace
+
+int kindNumber(const Kinds& kinds, const std::string& where, const std::string& name) {
+  const auto known = kinds.names();
+  const auto at = std::ranges::find(known, name);
+  if (at == known.end())
+    throw InputError(format("%s: '%s' is not among -kinds", where.c_str(), name.c_str()));
+  return static_cast<int>(at - known.begin());
+}
 
 std::vector<int> readSceneKinds(OptionSection& section, const std::string& option,
                                 const Kinds& kinds, std::size_t count) {
@@ -45,13 +54,7 @@ std::vector<int> readSceneKinds(OptionSection& section, const std::string& optio
   if (names.empty()) return numbers;
   if (names.size() != count)
     throw InputError(format("-%s: needs %zu name%s", option.c_str(), count, count > 1 ? "s" : ""));
-  const auto known = kinds.names();
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto at = std::ranges::find(known, names[k]);
-    if (at == known.end())
-      throw InputError(format("-%s: '%s' is not among -kinds", option.c_str(), names[k].c_str()));
-    numbers[k] = static_cast<int>(at - known.begin());
-  }
+  for (std::size_t k = 0; k < count; ++k) numbers[k] = kindNumber(kinds, "-" + option, names[k]);
   return numbers;
 }
 

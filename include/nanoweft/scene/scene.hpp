@@ -66,6 +66,10 @@ enum class SceneUse {
   start,    ///< the run starts from it
 };
 
+/// The number of the kind of this name, which `where` (an option or a file) gives. Throws
+/// InputError.
+int kindNumber(const Kinds& kinds, const std::string& where, const std::string& name);
+
 /// The numbers of the kinds that an option names, one for each of `count` families of fibres; the
 /// first kind where it is not given. Throws InputError.
 std::vector<int> readSceneKinds(OptionSection& section, const std::string& option,

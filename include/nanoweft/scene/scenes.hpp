@@ -21,6 +21,7 @@ MakeScene makeArrayScene;
 MakeScene makeBraidScene;
 MakeScene makeKnitScene;
 MakeScene makeTextScene;
+MakeScene makeLammpsScene;
 MakeScene makeFileScene;
 
 }  // namespace nanoweft
