@@ -7,6 +7,7 @@ options      option files and options as words of a command
 runs         runs of the program with the environment of scripts/environment
 beams        closed forms of springs, ladders, kinks
 generators   fibres laid in space, to write as states
+scenes       scenes that the program lays, to be moved, turned and mixed
 rotations    quaternions and matrices of many segments
 units        times, lengths and energies as people write them
 arguments    kinds of arguments that several commands take

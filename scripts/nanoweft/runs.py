@@ -12,7 +12,10 @@ from dataclasses import dataclass
 from typing import Any
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = pathlib.Path(os.environ.get("NANOWEFT_PROGRAM", ROOT / "build" / "bin" / "nanoweft"))
+# Where this package is installed, the program lies beside share/.
+PROGRAM = pathlib.Path(os.environ.get("NANOWEFT_PROGRAM") or (
+    ROOT / "build/bin/nanoweft" if (ROOT / "CMakeLists.txt").exists()
+    else ROOT.parents[1] / "bin/nanoweft"))
 
 
 @functools.lru_cache(maxsize=1)
@@ -36,15 +39,15 @@ class Launch:
     threads: int = 1
     mpirun: Sequence[str] = ()  # more words for mpirun
     variables: dict[str, str] | None = None
+    folder: str | os.PathLike[str] = ROOT  # in which it runs
 
     def __call__(self,
                  command: Sequence[str | os.PathLike[str]]) -> subprocess.CompletedProcess[str]:
-        """Runs it in the repository's folder; what it printed is text,
-        its status the caller's to judge."""
+        """Runs it; what it printed is text, its status the caller's to judge."""
         words: list[str | os.PathLike[str]] = list(command)
         if self.ranks is not None:
             words = ["mpirun", "--quiet", *self.mpirun, "-n", str(self.ranks), *words]
-        return subprocess.run(words, cwd=ROOT, capture_output=True, text=True,
+        return subprocess.run(words, cwd=self.folder, capture_output=True, text=True,
                               env=environment(self.threads, **(self.variables or {})))
 
 

@@ -228,7 +228,7 @@ void DataFile::tie(int line, int a, int b) {
     Atom& atom = atoms_[static_cast<std::size_t>(one)];
     const auto id = static_cast<long long>(atom.id);
     if (one == other) fail(line, format("the atom %lld is tied to itself", id));
-    if (atom.tied[0] == other)
+    if (atom.tied[0] == other || atom.tied[1] == other)
       fail(line, format("the atoms %lld and %lld are tied twice", id,
                         static_cast<long long>(atoms_[static_cast<std::size_t>(other)].id)));
     if (atom.tied[1] >= 0)

@@ -170,6 +170,11 @@ const std::vector<Case> cases = {
      "-scene text -text_file in.txt -ts_max_steps 2",
      {"in.txt, line 2", "fewer than two points"},
      text("in.txt", "0 0 0\n\n10 0 0\n")},
+    {"TextFibreTooShort",
+     "-scene text -text_file in.txt -ts_max_steps 2",
+     {"in.txt: fibre 1 is 8 long", "less than 2 segments of 13.56"},
+     text("in.txt", "0 0 0\n0 40 0\n\n0 0 50\n0 8 50\n")},
+    {"NoLammpsFile", "-scene lammps -ts_max_steps 2", {"-lammps_file"}},
     // Files that are missing, damaged or foreign.
     {"MissingOptionsFile", "-options_file nowhere.opts", {"-options_file nowhere.opts"}},
     {"MissingOptionsFileInOptionsFile",
