@@ -24,7 +24,7 @@ install(DIRECTORY src/manual/ DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING
 install(FILES LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # Scenes and commands lie beside each other as in the repository; the commands are called nanoweft-<name>.
-foreach(scene fabric composite cantilever spring ladder kink wrap own_geometry periodic settings temperature)
+foreach(scene fabric composite cantilever spring ladder kink wrap mixed own_geometry periodic settings temperature)
   install(DIRECTORY runs/${scene} DESTINATION ${data_dir}/runs USE_SOURCE_PERMISSIONS
     PATTERN *.png EXCLUDE PATTERN *.jpg EXCLUDE PATTERN __pycache__ EXCLUDE)
 endforeach()

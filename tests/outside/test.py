@@ -74,6 +74,12 @@ class Installed(FolderTest):
         for file in ("final.h5", "energy.csv"):
             self.assertTrue(os.path.exists(self.path(f"results/own_geometry/{file}")), file)
         self.assertFalse(list(self.prefix.rglob("results")))
+        made = self.call("/usr/bin/python3", "-c", f"""
+import sys
+sys.path.insert(0, "{self.prefix}/share/nanoweft/scripts")
+from nanoweft import runs, scenes
+print(runs.PROGRAM, len(scenes.make("fibre", fibre_segments=7)))""")
+        self.assertEqual(made.split(), [str(self.prefix / "bin/nanoweft"), "7"])
 
     def test_the_man_page_is_well_formed(self):
         if not os.path.exists(MAN):
