@@ -71,7 +71,7 @@ class DataFile {
   [[noreturn]] void fail(int line, const std::string& text) const {
     throw InputError(format("%s, line %d: %s", name_.c_str(), line, text.c_str()));
   }
-  void begin(std::string_view section, std::string_view comment);
+  void begin(const Words& title, std::string_view comment);
   void header(const Words& words);
   void readAtom(const Words& words);
   void readBond(const Words& words);
@@ -116,8 +116,8 @@ void DataFile::read(std::string_view text) {
     const std::string_view said = line.substr(0, line.find('#'));
     const Words words = wordsOf(said);
     if (words.empty()) continue;
-    if (std::isalpha(static_cast<unsigned char>(said.front())))
-      begin(said.substr(0, said.find_last_not_of(" \t\r") + 1), line.substr(said.size()));
+    if (std::isalpha(static_cast<unsigned char>(words[0].front())))
+      begin(words, line.substr(said.size()));
     else if (section_.empty())
       header(words);
     else if (section_ == "Atoms")
@@ -128,8 +128,9 @@ void DataFile::read(std::string_view text) {
   requireCounts();
 }
 
-void DataFile::begin(std::string_view section, std::string_view comment) {
-  section_ = section;
+void DataFile::begin(const Words& title, std::string_view comment) {
+  // Those of several words are left.
+  section_ = title.size() == 1 ? title[0] : "left";
   if (section_ != "Atoms") return;
   const Words words = wordsOf(comment.empty() ? comment : comment.substr(1));
   const Style* said = words.empty() ? nullptr : styleOf(words[0]);
