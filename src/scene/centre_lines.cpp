@@ -72,10 +72,15 @@ class Smooth {
         static_cast<std::size_t>(std::ranges::upper_bound(until_, u) - until_.begin()),
         until_.size() - 1);
     const double begin = at > 0 ? until_[at - 1] : 0.0, s = (u - begin) / (until_[at] - begin);
-    return rounds * line_.round + within(at, s);
+    return after(rounds, within(at, s));
   }
 
  private:
+  /// The place so many rounds on.
+  Vec3d after(double rounds, const Vec3d& x) const {
+    return norm(line_.round) > 0 ? x + rounds * line_.round : x;
+  }
+
   /// The place at the share s of a piece.
   Vec3d within(std::size_t piece, double s) const {
     const Vec3d a = point(piece, 0), b = point(piece, 1);
@@ -95,8 +100,7 @@ class Smooth {
     const std::int64_t i = static_cast<std::int64_t>(k) + places;
     if (line_.closed) {
       const std::int64_t inside = (i % n + n) % n;
-      return points[static_cast<std::size_t>(inside)] +
-             static_cast<double>((i - inside) / n) * line_.round;
+      return after(static_cast<double>((i - inside) / n), points[static_cast<std::size_t>(inside)]);
     }
     if (i < 0) return 2.0 * points[0] - points[1];
     if (i >= n) return 2.0 * points[points.size() - 1] - points[points.size() - 2];
