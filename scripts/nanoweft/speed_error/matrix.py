@@ -84,7 +84,8 @@ def measure(output, work, quick, rounds, workers, command):
     settings = all_settings(quick, axes.single_offered())
     say("errors")
     axes.measure(settings)
-    checked = [s for s in settings if s.axis not in ("time step", "settings", "precision", "accuracy")]
+    summed = {s.axis for s in settings} - {"time step", "settings", "precision", "accuracy"}
+    checked = [s for s in settings if s.axis in summed]
     facts = {"machine": machine(), "command": command, "rounds": rounds, "weave": axes.weave_size,
              "tubes": axes.tubes, "finest": axes.finest,
              "adhesion": {s: axes.adhesion(s) for s in ("smooth", "kink")},
