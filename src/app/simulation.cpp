@@ -91,6 +91,7 @@ void Simulation::step() {
     const LogScope log(driftEvent_);
     changeBetweenSteps();
     drift = parts_->stepper->move(system_);
+    parts_->plan->boxDrive.strainVelocities(system_.state);
   }
   energies_.reset();
   agreeAndPrepare(drift);
@@ -105,8 +106,7 @@ void Simulation::step() {
                                 system_.accounts.external);
   {
     const LogScope log(kickEvent_);
-    // A box that is strained takes the velocities along, so they must be whole.
-    parts_->stepper->finish(system_, view != View::positions || drivesBox());
+    parts_->stepper->finish(system_, view != View::positions);
   }
   if (view == View::energies) measureBox();
   if (breaks_.release(system_.state, system_.forces, system_.domain))
@@ -128,10 +128,6 @@ void Simulation::changeBetweenSteps() {
   // Bonds that broke in the last evaluation; those that break while segments move wait for the
   // next time, since not all ranks know of them yet.
   if (state.extras().ends && forces.breakage()) state.noteFreeEnds();
-}
-
-bool Simulation::drivesBox() const {
-  return static_cast<bool>(parts_->plan->boxDrive);
 }
 
 void Simulation::measureBox() {

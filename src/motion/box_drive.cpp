@@ -198,9 +198,13 @@ void BoxDrive::strain(State& state, ForceField& forces, double time, double dt,
   if (state.rank() == 0) external.add(work, forces.energyUnit());
 }
 
+double BoxDrive::measuredVolume(const Box& box) const {
+  return volume(box) * std::exp(-(since_[0] + since_[1] + since_[2]));
+}
+
 double BoxDrive::stretch(State& state, ForceField& forces, double time, double dt, double grown) {
-  const double before = volume(state.box);
-  std::array<double, 3> factor{1, 1, 1};
+  const double then = measuredVolume(state.box);
+  factor_ = {1, 1, 1};
   double work = 0;
   for (std::size_t d = 0; d < 3; ++d) {
     const Axis& axis = axes_[d];
@@ -208,33 +212,33 @@ double BoxDrive::stretch(State& state, ForceField& forces, double time, double d
     const double length = state.box.length(static_cast<int>(d)),
                  next = axis.nextLength(length, start_[d], time, dt, grown);
     if (next == length) continue;
-    factor[d] = next / length;
+    factor_[d] = next / length;
     const double middle = 0.5 * (state.box.lower[d] + state.box.upper[d]);
     state.box.lower[d] = middle - 0.5 * next;
     state.box.upper[d] = middle + 0.5 * next;
-    work += before * unit_ * stress_[d] * std::log(factor[d]);
-    since_[d] += std::log(factor[d]);
+    work += then * unit_ * stress_[d] * std::log(factor_[d]);
+    since_[d] += std::log(factor_[d]);
     for (int i = 0; i < state.owned(); ++i) {
       double& x = state.pose[8 * static_cast<std::size_t>(i) + d];
-      x = middle + factor[d] * (x - middle);
-      state.velocity[3 * static_cast<std::size_t>(i) + d] /= factor[d];
+      x = middle + factor_[d] * (x - middle);
     }
   }
-  if (factor == std::array<double, 3>{1, 1, 1}) return work;
-  state.box.tilt.way *= factor[static_cast<std::size_t>(state.box.tilt.along)];
+  if (factor_ == std::array<double, 3>{1, 1, 1}) return work;
+  state.box.tilt.way *= factor_[static_cast<std::size_t>(state.box.tilt.along)];
   if (sheared_ != none) {
     const Tilt pair = Tilt::ofPair(static_cast<int>(sheared_) - 3, 0.0);
-    shear_ *= factor[static_cast<std::size_t>(pair.along)] /
-              factor[static_cast<std::size_t>(pair.across)];
+    shear_ *= factor_[static_cast<std::size_t>(pair.along)] /
+              factor_[static_cast<std::size_t>(pair.across)];
   }
   for (int i = 0; i < state.owned(); ++i) state.box.wrap(state.pose + 8 * i, state.image + 3 * i);
-  forces.stretch(state.box, factor);
+  forces.stretch(state.box, factor_);
   return work;
 }
 
 double BoxDrive::slide(State& state, ForceField& forces, double time, double dt, double grown) {
-  const double next = axes_[sheared_].nextShear(shear(), time, dt, grown), strain = next - shear();
-  if (strain == 0) return 0;
+  const double next = axes_[sheared_].nextShear(shear(), time, dt, grown);
+  slid_ = next - shear();
+  if (slid_ == 0) return 0;
   Box& box = state.box;
   const Tilt old = Tilt::ofPair(static_cast<int>(sheared_) - 3, box.tilt.way);
   const double middle = 0.5 * (box.lower[static_cast<std::size_t>(old.across)] +
@@ -249,15 +253,30 @@ double BoxDrive::slide(State& state, ForceField& forces, double time, double dt,
   const auto more = static_cast<std::int32_t>(turns - turnsThen);
   for (int i = 0; i < state.owned(); ++i) {
     double* const x = state.pose + 8 * i;
-    x[old.along] += strain * (x[old.across] - middle);
-    state.velocity[3 * i + old.along] -= strain * state.velocity[3 * i + old.across];
+    x[old.along] += slid_ * (x[old.across] - middle);
     std::int32_t* const image = state.image + 3 * i;
     image[old.along] += more * image[old.across];
     box.wrap(x, image);
   }
-  forces.shear(box, strain);
-  shearSince_ += strain;
-  return volume(box) * unit_ * shearStress_ * strain;
+  forces.shear(box, slid_);
+  // A stretch and then a slide equal half the stretch, this slide, and the other half.
+  const double centred = slid_ * std::sqrt(factor_[static_cast<std::size_t>(old.across)] /
+                                           factor_[static_cast<std::size_t>(old.along)]);
+  shearSince_ += centred;
+  return measuredVolume(box) * unit_ * shearStress_ * centred;
+}
+
+void BoxDrive::strainVelocities(State& state) const {
+  if (sheared_ != none && slid_ != 0) {
+    const Tilt pair = Tilt::ofPair(static_cast<int>(sheared_) - 3, 0.0);
+    for (int i = 0; i < state.owned(); ++i)
+      state.velocity[3 * i + pair.along] -= slid_ * state.velocity[3 * i + pair.across];
+  }
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (factor_[d] == 1) continue;
+    for (int i = 0; i < state.owned(); ++i)
+      state.velocity[3 * static_cast<std::size_t>(i) + d] /= factor_[d];
+  }
 }
 
 void BoxDrive::note(const State& state, const ForceField& forces,
@@ -265,8 +284,9 @@ void BoxDrive::note(const State& state, const ForceField& forces,
   // Steps have booked the stress at the last measurement; the mean of both is right to second
   // order.
   double work = 0;
+  const double volumeNow = volume(state.box), volumeThen = measuredVolume(state.box);
   auto see = [&](Axis& axis, double now, double& then, double& since) {
-    work += 0.5 * volume(state.box) * unit_ * (now - then) * since;
+    work += 0.5 * unit_ * (volumeNow * now - volumeThen * then) * since;
     then = now;
     since = 0;
     if (axis.mode == BoxDrive::stress)

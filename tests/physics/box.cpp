@@ -6,6 +6,7 @@
 
 #include "support/expect.hpp"
 #include "support/formulas.hpp"
+#include "support/lattice.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
 
@@ -72,24 +73,10 @@ TEST(Box, TheServoBringsItToItsStress) {
 TEST(Box, ATriangularLatticeOfSpringsHasItsElasticConstants) {
   // Single segments as nodes, springs of the constant k between neighbours: lambda = mu =
   // sqrt(3)/4 k over the thickness.
-  const int nx = 8, ny = 8;
-  const double a = 60, rise = a * std::sqrt(0.75), k = 2.0, thickness = 10, strain = 1e-4;
-  std::vector<FibreInput> nodes;
-  std::vector<LinkEnds> links;
-  auto node = [&](int i, int j) { return (j % ny) * nx + (i % nx + nx) % nx; };
-  for (int j = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i) {
-      nodes.push_back(
-          straightFibre({(i + 0.5 * (j % 2) + 0.1) * a, (j + 0.1) * rise, 0}, {1, 0, 0}, 1));
-      const int odd = j % 2;
-      for (const int other : {node(i + 1, j), node(i + odd, j + 1), node(i + odd - 1, j + 1)})
-        links.push_back({node(i, j), 0, other, 0});
-    }
+  const double k = 2.0, thickness = 10, strain = 1e-4;
   for (const char* axis : {"x", "y"}) {
     const Folder folder;
-    writeState(folder / "in.h5", nodes,
-               {{0, 0, -50}, {nx * a, ny * rise, 50}, {true, true, false}});
-    setLinks(folder / "in.h5", links);
+    writeLattice(folder / "in.h5", 0);
     const std::string mode = std::string("-deform_") + axis;
     const auto outcome =
         run(folder,
@@ -106,6 +93,38 @@ TEST(Box, ATriangularLatticeOfSpringsHasItsElasticConstants) {
     EXPECT_NEAR(box.at(x ? "xx_GPa" : "yy_GPa").back() / (3 * lame * strain), 1.0, 1e-3);
     EXPECT_NEAR(box.at(x ? "yy_GPa" : "xx_GPa").back() / (lame * strain), 1.0, 1e-3);
     EXPECT_NEAR(box.at("xy_GPa").back(), 0.0, 1e-4 * lame * strain);
+  }
+}
+
+TEST(Box, ItsWorkBalancesToSecondOrder) {
+  // A lattice out of order, whose nodes do not simply follow the box; the last run stretches and
+  // shears it at once.
+  const std::string stretches = "-deform_x rate -deform_x_rate 1e-5 -deform_y free ",
+                    shears = "-deform_xy rate -deform_xy_rate 1e-5 ";
+  for (const std::string& deforms : {stretches, shears, stretches + shears}) {
+    std::vector<double> errors;
+    for (const int refined : {1, 2, 4}) {
+      const Folder folder;
+      writeLattice(folder / "in.h5", 12);
+      const auto outcome =
+          run(folder,
+              "-scene file -scene_file in.h5 -pair none -link_law spring -link_stretch 2 "
+              "-deform_thickness 10 -deform_interval 1 " +
+                  deforms + "-ts_dt " + std::to_string(40.0 / refined) + " -ts_max_steps " +
+                  std::to_string(1000 * refined) +
+                  " -progress_interval 0 -energy_monitor ascii:energy.csv "
+                  "-monitor_interval " +
+                  std::to_string(20 * refined));
+      ASSERT_EQ(outcome.status, 0) << outcome.output;
+      const auto energy = readCsv(folder / "energy.csv");
+      double error = 0;
+      for (std::size_t k = 0; k < energy.at("total").size(); ++k)
+        error = std::max(error, std::abs(energy.at("total")[k] - energy.at("external")[k]));
+      EXPECT_GT(energy.at("external").back(), 100 * error);
+      errors.push_back(error);
+    }
+    EXPECT_GT(errors[0] / errors[1], 3) << deforms;
+    EXPECT_GT(errors[1] / errors[2], 3) << deforms;
   }
 }
 

@@ -8,6 +8,7 @@
 #include "nanoweft/base/hdf5.hpp"
 #include "support/expect.hpp"
 #include "support/formulas.hpp"
+#include "support/lattice.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
 
@@ -95,32 +96,6 @@ TEST(Shear, ATiltOfHalfTheBoxIsAStraightBoxOfTwice) {
   }
 }
 
-/// Writes a triangular lattice of 8 x 8 single segments, displaced at random by up to `off`, with
-/// springs between neighbours.
-struct Lattice {
-  static constexpr int n = 8;
-  static constexpr double a = 60, rise = a * 0.8660254037844386, area = n * a * n * rise;
-};
-void writeLattice(const std::string& file, double off) {
-  constexpr int n = Lattice::n;
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> part(-off, off);
-  std::vector<FibreInput> nodes;
-  std::vector<LinkEnds> links;
-  auto node = [&](int i, int j) { return (j % n) * n + (i % n + n) % n; };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int odd = j % 2;
-      nodes.push_back(straightFibre({(i + 0.5 * odd + 0.1) * Lattice::a + part(random),
-                                     (j + 0.1) * Lattice::rise + part(random), 0},
-                                    {1, 0, 0}, 1));
-      for (const int other : {node(i + 1, j), node(i + odd, j + 1), node(i + odd - 1, j + 1)})
-        links.push_back({node(i, j), 0, other, 0});
-    }
-  writeState(file, nodes,
-             {{0, 0, -50}, {n * Lattice::a, n * Lattice::rise, 50}, {true, true, false}});
-  setLinks(file, links);
-}
 const std::string springs = fileScene +
                             "-pair none -link_law spring -link_stretch 2 -deform_xy rate "
                             "-deform_thickness 10 -deform_interval 1 ";
@@ -172,9 +147,8 @@ TEST(Shear, AFreeSegmentFliesStraightThroughTheSlidingFace) {
     const double x = position[i].x + image[i].x * length + image[i].y * tilt,
                  y = position[i].y + image[i].y * length;
     EXPECT_NEAR(y, then[i].y + v.y * time, 1e-6);
-    // The box moves before the segments do, so a step's strain and motion do not meet.
     const double flow = rate * (then[i].y - 0.5 * length) * time;
-    EXPECT_NEAR(x, then[i].x + v.x * time + flow, 1.01 * dt * strain * v.y + 1e-6);
+    EXPECT_NEAR(x, then[i].x + v.x * time + flow, 1e-6);
   }
   EXPECT_NEAR(readVectors(folder / "out.h5", "/state/velocity")[0].x,
               velocity.x - strain * velocity.y, 1e-9);
@@ -202,28 +176,6 @@ TEST(Shear, AFibreBondedThroughTheSlidingFaceIsStretchedByTheTilt) {
   const double force = tube::ES * strain * tilt / (n * T) / std::hypot(tilt / (n * T), 1.0);
   EXPECT_NEAR(readCsv(folder / "box.csv").at("xy_GPa").back() * gigapascal * 200 * 200 / force, 1.0,
               5e-3);
-}
-
-TEST(Shear, TheWorkOfTheBoxBalances) {
-  // A lattice out of order, whose nodes do not simply follow the box.
-  std::vector<double> errors;
-  for (const int refined : {1, 2, 4}) {
-    const Folder folder;
-    writeLattice(folder / "in.h5", 12);
-    const auto outcome =
-        run(folder, springs + "-deform_xy_rate 1e-5 -monitor_interval " +
-                        std::to_string(20 * refined) + " -ts_dt " + std::to_string(40.0 / refined) +
-                        " -ts_max_steps " + std::to_string(1000 * refined));
-    ASSERT_EQ(outcome.status, 0) << outcome.output;
-    const auto energy = readCsv(folder / "energy.csv");
-    double error = 0;
-    for (std::size_t k = 0; k < energy.at("total").size(); ++k)
-      error = std::max(error, std::abs(energy.at("total")[k] - energy.at("external")[k]));
-    EXPECT_GT(energy.at("external").back(), 100 * error);
-    errors.push_back(error);
-  }
-  EXPECT_GT(errors[0] / errors[1], 3);
-  EXPECT_GT(errors[1] / errors[2], 3);
 }
 
 TEST(Shear, WhatCannotBeMeantIsRefused) {

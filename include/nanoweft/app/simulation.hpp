@@ -35,7 +35,6 @@ class Simulation : private RunBook {
   void step();
   /// What moves or flows by itself before the segments move: rest shapes, the box, walls.
   void changeBetweenSteps();
-  bool drivesBox() const;
   /// Where it is due, measures the stress for a box that is driven.
   void measureBox();
   /// Ranks tell each other what they have noticed or wish, then make the lists anew if needed.

@@ -2,7 +2,8 @@
 /// at a rate or by a program, or driven by a servo to a stress. So is one shear: the images across
 /// one axis slide along another. The segments' centres go with the box, their velocities against it
 /// (v -> v/lambda, v_x -> v_x - gamma v_y), so that its work is the stress times the change of
-/// strain.
+/// strain. In a step centres go before the segments drift and velocities go after it, which equals
+/// half of both before and half after, so it is of second order.
 #pragma once
 
 #include <array>
@@ -34,8 +35,10 @@ class BoxDrive {
   void save(RunRecord& record) const;
 
   /// Strains the box by what belongs to a step of `dt` that begins at `time`, and takes the
-  /// segments along. Books the work in `external` on rank 0.
+  /// segments' centres along. Books the work in `external` on rank 0.
   void strain(State& state, ForceField& forces, double time, double dt, ExactSum& external);
+  /// Takes the velocities along, once the segments have drifted.
+  void strainVelocities(State& state) const;
   /// Takes note of the stress (that of `boxStress`), which sets the rates of driven directions.
   void note(const State& state, const ForceField& forces, const std::array<double, 9>& stress,
             ExactSum& external);
@@ -68,6 +71,8 @@ class BoxDrive {
   };
 
   void attachShear(const Box& box, const RunRecord& record, bool restart);
+  /// Volume when the stress was last measured.
+  double measuredVolume(const Box& box) const;
   /// Strain along the three axes, and by shear; both return the work.
   double stretch(State& state, ForceField& forces, double time, double dt, double grown);
   double slide(State& state, ForceField& forces, double time, double dt, double grown);
@@ -85,6 +90,8 @@ class BoxDrive {
   std::array<double, 3> since_{};            ///< logarithmic strain since then
   double shear_ = 0, shearStart_ = 0;        ///< slide over the length across, of a straight box 0
   double shearStress_ = 0, shearSince_ = 0;  ///< as stress_ and since_
+  std::array<double, 3> factor_{1, 1, 1};    ///< by which this step stretches the box
+  double slid_ = 0;                          ///< shear of this step
 };
 
 }  // namespace nanoweft
