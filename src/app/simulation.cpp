@@ -103,7 +103,7 @@ void Simulation::step() {
   const ForceOutcome outcome =
       system_.forces.evaluate(system_.state, system_.domain.halo(), request);
   system_.forces.walls().finish(system_.state.comm(), system_.state.time, request.advance,
-                                system_.accounts.external);
+                                {system_.accounts.external, system_.accounts.damped});
   {
     const LogScope log(kickEvent_);
     parts_->stepper->finish(system_, view != View::positions);
@@ -124,7 +124,7 @@ void Simulation::changeBetweenSteps() {
   const double dt = parts_->stepper->dt();
   accounts.damped.merge(forces.flow(state));
   parts_->plan->boxDrive.strain(state, forces, state.time, dt, accounts.external);
-  forces.walls().move(state.comm(), state.time, dt, accounts.external);
+  forces.walls().move(state.comm(), state.time, dt, {accounts.external, accounts.damped});
   // Bonds that broke in the last evaluation; those that break while segments move wait for the
   // next time, since not all ranks know of them yet.
   if (state.extras().ends && forces.breakage()) state.noteFreeEnds();

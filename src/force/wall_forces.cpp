@@ -122,11 +122,13 @@ void WallForces::rubAt(State& state, ContactHistory& history, const Terms& terms
   addAt(state.viscous + 6 * i + 3, action.torqueI);
   tally.friction.add(action.power * terms.dt, energyUnit_);
   // Steppers book all work of friction on the fibres as damped; the wall's part comes from whoever
-  // moves the wall, or, where it is driven, from the wall's own motion.
-  const Vec3d from = wall.driven() ? wall.speed : Vec3d{};
-  tally.external.add(dot(action.forceI, surface - from) * terms.dt, energyUnit_);
-  tally.dragged.add(dot(action.forceI, surface) * terms.dt, energyUnit_);
+  // moves the wall, or, where it is driven, from the wall's own motion (`kick`).
+  const Vec3d prescribed = wall.driven() ? surface - wall.speed : surface;
+  const double work = dot(action.forceI, prescribed) * terms.dt;
+  tally.external.add(work, energyUnit_);
+  tally.dragged.add(work, energyUnit_);
   WallTally::Felt& felt = tally.felt[number];
+  addTo(felt.friction, action.forceI, -1.0, forceUnit_);
   addTo(felt.force, action.forceI, -1.0, forceUnit_);
   addTo(felt.torque, cross(x + lever, action.forceI), -1.0, energyUnit_);
 }
@@ -138,6 +140,7 @@ void WallForces::note(const std::vector<WallTally>& tallies) {
       for (int c = 0; c < 3; ++c) {
         felt_[w].force[c].merge(tally.felt[w].force[c]);
         felt_[w].torque[c].merge(tally.felt[w].torque[c]);
+        felt_[w].friction[c].merge(tally.felt[w].friction[c]);
       }
 }
 
@@ -151,15 +154,16 @@ std::vector<double> WallForces::felt(MPI_Comm comm) const {
   for (const WallTally::Felt& f : felt_) {
     sums.insert(sums.end(), f.force, f.force + 3);
     sums.insert(sums.end(), f.torque, f.torque + 3);
+    sums.insert(sums.end(), f.friction, f.friction + 3);
   }
   ExactSum::reduce(sums.data(), static_cast<int>(sums.size()), comm);
   std::vector<double> values;
   for (std::size_t k = 0; k < sums.size(); ++k)
-    values.push_back(sums[k].value(k % 6 < 3 ? forceUnit_ : energyUnit_));
+    values.push_back(sums[k].value(k % 9 / 3 == 1 ? energyUnit_ : forceUnit_));
   return values;
 }
 
-void WallForces::kick(MPI_Comm comm, double time, double h, ExactSum& external) {
+void WallForces::kick(MPI_Comm comm, double time, double h, const Accounts& accounts) {
   if (!driven()) return;
   const std::vector<double> all = felt(comm);
   int rank;
@@ -169,16 +173,21 @@ void WallForces::kick(MPI_Comm comm, double time, double h, ExactSum& external) 
     if (!wall.driven()) continue;
     const Vec3d along = (1.0 / norm(wall.force)) * wall.force, before = wall.speed,
                 push = wall.factor(time) * wall.force - wall.drag * before;
-    const Vec3d felt = triple(all.data(), 2 * static_cast<int>(w));
+    const Vec3d felt = triple(all.data(), 3 * static_cast<int>(w)),
+                friction = triple(all.data(), 3 * static_cast<int>(w) + 2);
     wall.speed += (h / wall.mass * dot(push + felt, along)) * along;
-    // What the push puts in and drag takes out; the same on all ranks, so one books it.
-    if (rank == 0) external.add(0.5 * h * dot(push, before + wall.speed), energyUnit_);
+    if (rank != 0) continue;
+    // What the push puts in and drag takes out, and what friction takes from the wall: the same on
+    // all ranks, so one books it.
+    const Vec3d way = 0.5 * h * (before + wall.speed);
+    accounts.external.add(dot(push, way), energyUnit_);
+    accounts.damped.add(-dot(friction, way), energyUnit_);
   }
 }
 
-void WallForces::move(MPI_Comm comm, double time, double dt, ExactSum& external) {
-  external.merge(std::exchange(ahead_, {}));
-  kick(comm, time, 0.5 * dt, external);
+void WallForces::move(MPI_Comm comm, double time, double dt, const Accounts& accounts) {
+  accounts.external.merge(std::exchange(ahead_, {}));
+  kick(comm, time, 0.5 * dt, accounts);
   for (Wall& wall : walls_) {
     if (wall.driven())
       wall.moved += dt * wall.speed;
@@ -187,8 +196,8 @@ void WallForces::move(MPI_Comm comm, double time, double dt, ExactSum& external)
   }
 }
 
-void WallForces::finish(MPI_Comm comm, double time, double dt, ExactSum& external) {
-  kick(comm, time, 0.5 * dt, external);
+void WallForces::finish(MPI_Comm comm, double time, double dt, const Accounts& accounts) {
+  kick(comm, time, 0.5 * dt, accounts);
 }
 
 void WallForces::place(double time) {
@@ -206,6 +215,11 @@ void WallForces::save(RunRecord& record, MPI_Comm comm) const {
     ExactSum::reduce(sums.data(), 6, comm);
     auto& numbers = record.integers["wall_" + wall.name + "_felt"];
     for (const ExactSum& sum : sums) numbers.insert(numbers.end(), sum.data(), sum.data() + 3);
+    if (!wall.driven() || !wall.friction) continue;
+    std::vector<ExactSum> rubbed(felt_[w].friction, felt_[w].friction + 3);
+    ExactSum::reduce(rubbed.data(), 3, comm);
+    auto& own = record.integers["wall_" + wall.name + "_friction"];
+    for (const ExactSum& sum : rubbed) own.insert(own.end(), sum.data(), sum.data() + 3);
   }
 }
 
@@ -219,6 +233,10 @@ void WallForces::restore(const RunRecord& record, int rank) {
     for (std::size_t c = 0; c < 6 && rank == 0; ++c)
       std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(3 * c), 3,
                   (c < 3 ? felt_[w].force[c] : felt_[w].torque[c - 3]).data());
+    if (!wall.driven() || !wall.friction) continue;
+    const auto& own = record.needIntegers("wall_" + wall.name + "_friction", 9);
+    for (std::size_t c = 0; c < 3 && rank == 0; ++c)
+      std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(3 * c), 3, felt_[w].friction[c].data());
   }
 }
 

@@ -36,8 +36,8 @@ class WallTable : public TableObserver {
     const std::vector<double> felt = walls.felt(moment.state().comm());
     std::vector<double> values{moment.state().time};
     for (std::size_t w = 0; w < walls.list().size(); ++w) {
-      values.insert(values.end(), felt.begin() + static_cast<std::ptrdiff_t>(6 * w),
-                    felt.begin() + static_cast<std::ptrdiff_t>(6 * w + 6));
+      values.insert(values.end(), felt.begin() + static_cast<std::ptrdiff_t>(9 * w),
+                    felt.begin() + static_cast<std::ptrdiff_t>(9 * w + 6));
       const Vec3d& way = walls.list()[w].moved;
       values.insert(values.end(), {way.x, way.y, way.z});
     }

@@ -22,6 +22,7 @@ struct WallTally {
   ExactSum ahead;               ///< work of prescribed walls in the half step to come
   struct Felt {
     ExactSum force[3], torque[3];  ///< on the wall, the torque about `Wall::at`
+    ExactSum friction[3];          ///< the part of the force that is friction
   };
   std::vector<Felt> felt;  ///< a wall
 };
@@ -50,12 +51,16 @@ class WallForces {
   void note(const std::vector<WallTally>& tallies);
   void noteAhead(const std::vector<WallTally>& tallies);
 
+  /// Where walls book what is put into them and what they lose by friction.
+  struct Accounts {
+    ExactSum &external, &damped;
+  };
   /// Moves the walls from `time` by `dt`; driven ones as velocity Verlet does, whose first half
   /// this is. Collective when some wall is driven.
-  void move(MPI_Comm comm, double time, double dt, ExactSum& external);
+  void move(MPI_Comm comm, double time, double dt, const Accounts& accounts);
   /// The second half, after the evaluation at `time`.
-  void finish(MPI_Comm comm, double time, double dt, ExactSum& external);
-  /// Force and torque that the walls feel, [6] a wall. Collective.
+  void finish(MPI_Comm comm, double time, double dt, const Accounts& accounts);
+  /// Force and torque that the walls feel, and the force of friction alone, [9] a wall. Collective.
   std::vector<double> felt(MPI_Comm comm) const;
   /// How deep a segment's surface is inside a wall at most, over its radius.
   struct Depth {
@@ -86,7 +91,7 @@ class WallForces {
   void touch(State& state, ContactHistory* history, const Terms& terms, const Place& place,
              WallTally& tally) const;
   /// Speeds driven walls up for the time h.
-  void kick(MPI_Comm comm, double time, double h, ExactSum& external);
+  void kick(MPI_Comm comm, double time, double h, const Accounts& accounts);
   void rubAt(State& state, ContactHistory& history, const Terms& terms, const Place& place,
              const ContactPatch& patch, WallTally& tally) const;
 
