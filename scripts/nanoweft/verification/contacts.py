@@ -1,4 +1,4 @@
-"""Contacts at the closest approach, friction, walls and the driven box."""
+"""Contacts at the closest approach, friction and walls."""
 import math
 
 import numpy as np
@@ -10,7 +10,7 @@ from ..units import GPA
 from .common import Row, new_folder, order, relative, simulate, write_state
 
 T, RADIUS = TUBE.T, TUBE.radius
-CONTACTS, FRICTION, WALLS, BOX = "contacts", "friction", "walls", "driven box"
+CONTACTS, FRICTION, WALLS = "contacts", "friction", "walls"
 MODULUS = 20.0  # E*, GPa
 TOUCH = f"-scene file -scene_file {{dir}}/in.h5 -pair contact -contact_modulus {MODULUS:g} "
 
@@ -145,46 +145,5 @@ def floor():
                      "rest of damping")]
 
 
-def hooke():
-    """Stress of a box that is strained with one fibre through it."""
-    folder = new_folder("box_hooke")
-    simulate(folder.name, "-scene fibre -fibre_segments 40 -fibre_closed -domain_lower 0,-100,-100 "
-             f"-domain_upper {40 * T!r},100,100 -domain_periodic 1,0,0 -pair none -ts_dt 20 "
-             "-deform_x rate -deform_x_rate 1e-6 -deform_x_until 0.005 -ts_max_steps 400 "
-             "-box_monitor ascii:{dir}/box.csv -monitor_interval 20")
-    stress = tables.read(folder / "box.csv")["xx_GPa"][-1]
-    return [relative(BOX, "fibre strained with its box by 0.5 %: stress, GPa",
-                     TUBE.ES * 0.005 / 4e4 / GPA, stress, 1e-9, "round-off")]
-
-
-def lattice():
-    """Stress of a triangular lattice of springs: lambda = mu = sqrt(3)/4 k over the thickness."""
-    rows, n, a, k, thickness, strain = [], 8, 60.0, 2.0, 10.0, 1e-4
-    i, j = (c.ravel() for c in np.meshgrid(np.arange(n), np.arange(n)))
-    x = np.column_stack([(i + 0.5 * (j % 2) + 0.1) * a, (j + 0.1) * a * math.sqrt(0.75), 0 * i])
-    order_of = {(int(p), int(q)): m for m, (p, q) in enumerate(zip(i, j))}
-    ends = [[[m, 0], [order_of[(p + to) % n, (q + up) % n], 0]] for (p, q), m in order_of.items()
-            for to, up in ((1, 0), (q % 2, 1), (q % 2 - 1, 1))]
-    lame = math.sqrt(3) / 4 * k / thickness / GPA
-    for axis in "xy":
-        folder = new_folder(f"box_lattice_{axis}")
-        states.write(folder / "in.h5", states.of_fibres(
-            [(place[None], no_rotation(1)) for place in x], [0, 0, -50],
-            [n * a, n * a * math.sqrt(0.75), 50], (1, 1, 0)))
-        states.link(folder / "in.h5", ends)
-        simulate(folder.name, "-scene file -scene_file {dir}/in.h5 -pair none -link_law spring "
-                 f"-link_stretch {k} -deform_{axis} rate -deform_{axis}_rate 1e-6 "
-                 f"-deform_{axis}_until {strain} -deform_thickness {thickness} -ts_dt 10 "
-                 "-ts_max_steps 40 -box_monitor ascii:{dir}/box.csv -monitor_interval 40")
-        table = tables.read(folder / "box.csv")
-        for along, share in ((axis, 3), ("yx"["xy".index(axis)], 1)):
-            what = f"triangular lattice pulled along {axis}: stress along {along}, GPa"
-            rows.append(relative(BOX, what, share * lame * strain,
-                                 table[2 * along + "_GPa"][-1], 1e-3,
-                                 "strain of 1e-4"))
-    return rows
-
-
 CHECKS = {"contacts_crossed": crossed, "contacts_collision": collision, "friction_bar": bar,
-          "friction_capstan": capstan, "walls_floor": floor, "box_hooke": hooke,
-          "box_lattice": lattice}
+          "friction_capstan": capstan, "walls_floor": floor}
