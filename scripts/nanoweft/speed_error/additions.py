@@ -1,5 +1,5 @@
-"""What kinds, rest shapes, links, kinks, bond laws, contacts and walls cost, and how errors fall
-with the segments' length.
+"""What kinds, rest shapes, links, kinks, bond laws, contacts, walls, holders, temperature and the
+driven box cost, and how errors fall with the segments' length, the step or the number of points.
 
 A cost is user time, which other programs on the machine disturb least: the median of ratios of a
 run with the term to a run without it next to it in time."""
@@ -15,21 +15,25 @@ import numpy as np
 
 from .. import beams
 from ..verification import contacts, kinds, links, rest
-from .matrix import machine
+from .additions_errors import TERMS
+from .matrix import machine, read
 
-COLUMNS = ["kind", "name", "T", "error", "alone_ns", "alone_ratio", "alone_spread", "weave_ns",
-           "weave_ratio", "weave_spread"]
+COLUMNS = ["kind", "name", "T", "setting", "error", "alone_ns", "alone_ratio", "alone_spread", "weave_ns",
+           "weave_ratio", "weave_spread", "periodic_ns", "periodic_ratio", "periodic_spread"]
 WEAVE = {"scene": "weave", "weave_fibres": "24,24", "weave_segments": 120, "damping_local": 0.4,
          "ts_dt": 15}
 SEGMENTS = 2 * 24 * 120
 # Bonds alone, and with pair forces; so many steps take about a second.
-SCENES = {"alone": (WEAVE | {"pair": "none"}, 6000), "weave": (WEAVE, 1000)}
+SCENES = {"alone": (WEAVE | {"pair": "none"}, 6000), "weave": (WEAVE, 1000),
+          "periodic": (WEAVE | {"weave_periodic": None}, 1000)}
 CONTACT = {"pair": "contact", "contact_modulus": 20}
 FLOOR = {"walls": "floor", "floor_point": "0,0,-16", "floor_axis": "0,0,1", "floor_modulus": 20}
 HEATED = {"temperature": 300, "temperature_damping": 1e-4, "damping_local": 0}
 WET = {"pair": "capillary,contact", "contact_modulus": 500, "capillary_tension": 0.0045,
        "capillary_volume": 2000}
 LINKED = {"links_density": 0.02, "links_distance": 24}
+SPUN = {"bc": "end", "end_region": "-1e5,-1e5,-1e5,20,1e5,1e5", "end_axis": "1,0,0",
+        "end_centre": "0,0,0", "end_spin": 1e-12}
 
 
 class Case(NamedTuple):
@@ -55,6 +59,11 @@ CASES = (
     Case("plastic flow, never reached", {"fibre_yield_strain": 0.5}, ("alone",)),
     Case("a wall below", FLOOR, ("alone", "weave")),
     Case("temperature", HEATED, ("alone", "weave")),
+    Case("holders that spin", SPUN, ("alone", "weave")),
+    Case("a box that is stretched", {"deform_x": "rate", "deform_x_rate": 1e-9}, ("periodic",)),
+    Case("a box that is sheared", {"deform_xy": "rate", "deform_xy_rate": 1e-9}, ("periodic",)),
+    Case("hydrogen in place of vdw", {"pair": "hydrogen", "hydrogen_energy": 0.02,
+                                      "hydrogen_gap": 3}, ("weave",)),
     Case("hamaker in place of vdw", {"pair": "hamaker", "hamaker_constant": 40, "hamaker_gap": 3.5,
                                      "pair_gap_cutoff": 40}, ("weave",)),
     Case("capillary and contact in place of vdw", WET, ("weave",)),
@@ -78,10 +87,13 @@ def seconds(program, options, steps):
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
-def costs(program, scene, rounds):
+def costs(program, scene, rounds, names):
     """Name of each case that is timed on a scene -> cost; a plain run before every second one."""
     base, steps = SCENES[scene]
-    cases = {case.name: base | case.options for case in CASES if scene in case.scenes}
+    cases = {case.name: base | case.options for case in CASES
+             if scene in case.scenes and case.name in names}
+    if not cases:
+        return {}
     start = min(seconds(program, base, 1) for _ in range(3))
     times, ratios = ({name: [] for name in cases} for _ in range(2))
     for _ in range(rounds):
@@ -142,23 +154,37 @@ LENGTHS = (0.5, 1, 2, 4)
 TOO_SLOW = "rest shape: ring, pinched", 0.5  # half a minute by FIRE
 
 
-def measure(output, program, rounds, command):
-    """Writes additions.csv: facts as JSON in a comment, then the rows."""
+def measure(output, program, rounds, command, words=()):
+    """Writes additions.csv: facts as JSON in a comment, then the rows. With `words`, rows whose
+    names contain none of them stay as they are there."""
+    def wanted(name):
+        return not words or any(word in name for word in words)
     begun, rows = time.time(), []
     for name, error in ERRORS.items():
         rows += [{"kind": "error", "name": name, "T": times, "error": abs(error(times))}
-                 for times in LENGTHS if (name, times) != TOO_SLOW]
-    found = {}
+                 for times in LENGTHS if (name, times) != TOO_SLOW and wanted(name)]
+    for term in TERMS:
+        rows += [{"kind": "setting", "name": term.name, "setting": f"{setting:g} {term.unit}",
+                  "error": abs(term.error(setting))} for setting in term.settings
+                 if wanted(term.name)]
+    found, names = {}, {case.name for case in CASES if wanted(case.name)}
     for scene in SCENES:
         print(f"{time.time() - begun:5.0f} s  costs: {scene}", flush=True)
-        found[scene] = costs(program, scene, rounds)
+        found[scene] = costs(program, scene, rounds, names)
     for case in CASES:
+        if case.name not in names:
+            continue
         row = {"kind": "cost", "name": case.name}
         for scene in case.scenes:
             one = found[scene][case.name]
             row |= {f"{scene}_ns": one.nanoseconds, f"{scene}_ratio": one.ratio,
                     f"{scene}_spread": one.spread}
         rows.append(row)
+    if words:
+        rows = read(output / "additions.csv")[1] + rows
+        # A later row of a name takes the place of the earlier one.
+        rows = list({(r["kind"], r["name"], r.get("T"), r.get("setting")): r
+                     for r in rows}.values())
     facts = {"machine": machine(), "command": command, "rounds": rounds,
              "seconds": round(time.time() - begun), "links": links_made(program)}
     with open(output / "additions.csv", "w", newline="") as out:

@@ -1,15 +1,17 @@
 """The section about what was added to the paper's model, from additions.csv."""
 
 from .additions import LENGTHS, SEGMENTS
+from .additions_errors import TERMS
 from .page import number, table
 
 TEXT = ("""
-## Kinds, rest shapes, links, kinks, bond laws, contacts and walls
+## Kinds, rest shapes, links, kinks, bond laws, contacts, walls, holders, temperature, the box
 
-Made by `{command}` on {machine} in {seconds} s; rows in [additions.csv](additions.csv).
+Made by `scripts/speed_error --additions` on {machine}, last by `{command}` in {seconds} s; rows in
+[additions.csv](additions.csv).
 A step of a weave of 24 x 24 tubes of 120 segments ({segments}), with pair forces and with bonds
-alone: user time, the median of {rounds} ratios of a run with the term to one without it next to
-it in time (`+-`: half their range).
+alone: user time, the median of 3 or more ratios of a run with the term to one without it next to
+it in time (`+-`: half their range). Of the box: a periodic weave of as many, with pair forces.
 
 {costs}
 
@@ -33,15 +35,33 @@ Kink: against M L/EJ. Contact: force between fibres crossed at a right angle, ag
         "depth of a fibre pressed on a floor, against Hertz's line: how fibres are cut does not "
         "matter. The ring's and\n"
         "the tube's errors fall with the square of T. Half of T means twice as many segments and "
-        "a shorter stable step.\n")
+        "a shorter stable step.\n"
+        """
+Errors of terms against the step, the stiffness of contacts or the points of a segment of 60 A, and
+the ratio above:
+
+{terms}
+
+Friction: the bar shakes when its springs yield, which the mean of 1e5 fs keeps in part. What a box, a holder or a
+bath costs is the ratio; a step of half the length costs twice as much on top, and as many points
+as there are cost in proportion to those of both fibres.
+""")
 
 
 def section(facts, rows):
     costs = []
     for r in (r for r in rows if r["kind"] == "cost"):
         cells = [f"{r[s + '_ns']:.1f} | {r[s + '_ratio']:.3f} +- {r[s + '_spread']:.3f}"
-                 if r[s + "_ratio"] is not None else " | " for s in ("alone", "weave")]
+                 if r[s + "_ratio"] is not None else " | "
+                 for s in ("alone", "periodic" if r["periodic_ratio"] is not None else "weave")]
         costs.append([r["name"], *cells])
+    found = {(r["name"], r["setting"]): r["error"] for r in rows if r["kind"] == "setting"}
+    ratio = {r["name"]: next(r[s + "_ratio"] for s in ("periodic", "weave")
+                             if r[s + "_ratio"] is not None)
+             for r in rows if r["kind"] == "cost" and (r["weave_ratio"] or r["periodic_ratio"])}
+    terms = [[t.name, f"{ratio[t.cost]:.2f}", t.measure,
+              "; ".join(f"{s:g} {t.unit}: {number(found[t.name, f'{s:g} {t.unit}'])}"
+                        for s in t.settings)] for t in TERMS]
     errors = [r for r in rows if r["kind"] == "error"]
     found = {(r["name"], r["T"]): r["error"] for r in errors}
     lines = [[name, *(number(found.get((name, times))) for times in LENGTHS)]
@@ -50,4 +70,5 @@ def section(facts, rows):
         costs=table(["", "bonds alone: ns a segment-step", "ratio", "with pairs: ns a segment-step",
                      "ratio"], costs),
         errors=table(["", *(f"T = {times:g} x 2 rf" for times in LENGTHS)], lines),
+        terms=table(["term", "cost", "error of, against what", "errors"], terms),
         segments=SEGMENTS, **facts)

@@ -12,6 +12,9 @@ from .common import Row, new_folder, order, relative, simulate, write_state
 T, RADIUS = TUBE.T, TUBE.radius
 CONTACTS, FRICTION, WALLS = "contacts", "friction", "walls"
 MODULUS = 20.0  # E*, GPa
+# What presses a segment of a bar on two rods, their friction, and how fast 1.2 of it draws.
+PRESS, BAR_FRICTION = 0.002, 0.3
+COULOMB = 0.2 * BAR_FRICTION * PRESS / TUBE.m
 TOUCH = f"-scene file -scene_file {{dir}}/in.h5 -pair contact -contact_modulus {MODULUS:g} "
 
 
@@ -64,25 +67,30 @@ def collision():
                 abs(found - 2), 0.2, "next order, at steps of 8 and 4 fs")]
 
 
-def bar():
-    """Acceleration of a bar that is drawn over two rods by 1.2 of its friction."""
-    press, friction = 0.002, 0.3
-    speed, steps = [], (10000, 20000)
-    for count in steps:
-        folder = new_folder(f"friction_bar_{count}")
+def drawn(name, dt, options=""):
+    """Acceleration of a bar that is drawn over two rods by 1.2 of its friction, over that of
+    Coulomb's law."""
+    press, friction = PRESS, BAR_FRICTION
+    speed, ends = [], (1e5, 2e5)
+    for end in ends:
+        folder = new_folder(f"{name}_{end:g}")
         write_state(folder / "in.h5", [straight((2.3 * T, -3 * T, 0), 1, 7),
                                        straight((8.7 * T, -3 * T, 0), 1, 7),
                                        straight((0, 0, 2 * RADIUS - 0.05), 0, 12)],
                     [1] * 14 + [2] * 12)
         simulate(folder.name, TOUCH + f"-contact_friction {friction} -contact_restitution 0.3 "
+                 f"{options} "
                  "-bc rods,bar -rods_group 0 -rods_fix 1,1,1 -rods_fix_rotation -bar_group 1 "
-                 f"-bar_force {1.2 * friction * press!r},0,{-press!r} -ts_dt 10 "
-                 f"-ts_max_steps {count} -state_output {{dir}}/out.h5")
+                 f"-bar_force {1.2 * friction * press!r},0,{-press!r} -ts_dt {dt:g} "
+                 f"-ts_max_steps {round(end / dt)} -state_output {{dir}}/out.h5")
         speed.append(states.read(folder / "out.h5")["velocity"][14:, 0].mean())
+    return (speed[1] - speed[0]) / (ends[1] - ends[0]) / COULOMB
+
+
+def bar():
+    """A bar that is drawn over two rods."""
     return [relative(FRICTION, "bar drawn by 1.2 of its friction: acceleration, A/fs^2",
-                     0.2 * friction * press / TUBE.m,
-                     (speed[1] - speed[0]) / (10 * (steps[1] - steps[0])), 1e-2,
-                     "the bar shakes")]
+                     COULOMB, COULOMB * drawn("friction_bar", 10), 1e-2, "the bar shakes")]
 
 
 def speed_over(name, pull, radius, friction):

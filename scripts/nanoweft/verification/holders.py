@@ -11,9 +11,9 @@ T = TUBE.T
 HELD, PROGRAM = "holders", "tension programs"
 
 
-def spun(name, places, spin, ramp, steps):
+def spun(name, places, dt=12):
     """Angle, groups and energies of parallel tubes of 20 bonds twisted about the x axis."""
-    n, dt = 21, 12
+    n, spin, ramp, steps = 21, 1e-5, 2e4, round(96000 / dt)
     folder = new_folder(name)
     fibres = [(np.column_stack([np.arange(n) * T, np.full(n, y), np.full(n, z)]),
                in_plane(np.zeros(n))) for y, z in places]
@@ -30,16 +30,18 @@ def spun(name, places, spin, ramp, steps):
     return angle, groups, energy
 
 
+APART = 17.0716 / math.sqrt(3)
+ROPE = [(APART * math.cos(a), APART * math.sin(a)) for a in 2 * math.pi / 3 * np.arange(3)]
+
+
 def torque():
     """Torque of a turned end against the sine law of a tube, and the slope of a rope's energy."""
-    angle, groups, energy = spun("spun_tube", [(0.0, 0.0)], 1e-5, 2e4, 8000)
+    angle, groups, energy = spun("spun_tube", [(0.0, 0.0)])
     late = angle > 0.5
     ratio = np.mean(groups["tip_torque_x"][late] / (TUBE.B4 * np.sin(angle[late] / 20)))
     rows = [relative(HELD, "spun tube: torque over B4 sin(angle/20), mean from 0.5 rad on",
                      1.0, float(ratio), 2e-3, "waves that the start leaves behind")]
-    radius = 17.0716 / math.sqrt(3)
-    places = [(radius * math.cos(a), radius * math.sin(a)) for a in 2 * math.pi / 3 * np.arange(3)]
-    angle, groups, energy = spun("spun_rope", places, 1e-5, 2e4, 8000)
+    angle, groups, energy = spun("spun_rope", ROPE)
     gained = energy["total"] - energy["total"][0]
     twist = np.trapz(groups["tip_torque_x"], angle)
     rows.append(relative(HELD, "three tubes twisted: torque over the angle, eV",

@@ -70,16 +70,23 @@ def pulled(law: Law, R: float, g: Array) -> Array:
     return R * law.pull(g, R) * s + energy * -30 * (x * (1 - x))**2 / width
 
 
-def crossing(name: str, pair: str) -> list[Row]:
+def crossed(folder: str, name: str, pair: str, options: str = "") -> tuple[float, float]:
+    """Force between two fibres that cross, which pulls, and its energy."""
     law, (a, b) = LAWS[name], PAIRS[pair]
-    R, touch = math.sqrt(a.radius * b.radius), a.radius + b.radius
-    energy = -integral(lambda g: pulled(law, R, g), law.gap, law.gap_cutoff)
+    touch = a.radius + b.radius
     d = touch + law.gap
     reach = math.sqrt((touch + law.gap_cutoff)**2 - d**2)
     fibres = row_of(a, (0, 0, 0), reach + 2 * a.T), row_of(b, (0, 0, d), reach + 2 * b.T, 1, 0.2)
-    state, found = evaluate(new_folder(f"surfaces_crossing_{name}_{b.radius:g}"), (a, b), fibres,
-                            f"-pair {name} {law.options}")
-    force = -state["force"][state["fibre"] == 1, 2].sum()
+    state, found = evaluate(new_folder(folder), (a, b), fibres,
+                            f"-pair {name} {law.options} {options}")
+    return -state["force"][state["fibre"] == 1, 2].sum(), found
+
+
+def crossing(name: str, pair: str) -> list[Row]:
+    law, (a, b) = LAWS[name], PAIRS[pair]
+    R = math.sqrt(a.radius * b.radius)
+    energy = -integral(lambda g: pulled(law, R, g), law.gap, law.gap_cutoff)
+    force, found = crossed(f"surfaces_crossing_{name}_{b.radius:g}", name, pair)
     most, expected = float(pulled(law, R, law.strongest)), float(pulled(law, R, law.gap))
     what = f"{name}, {pair}, crossing, gap {law.gap:g} A"
     return [Row(FAMILY, f"{what}, force, eV/A (error over the strongest pull)", expected, force,

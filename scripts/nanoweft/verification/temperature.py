@@ -36,15 +36,26 @@ def within(name, expected, measured, samples, reason):
                     f"four standard errors of {samples} samples: {reason}")
 
 
+def warm(name, dt, fibres, segments):
+    """Energies of fibres at 300 K, rows 500 fs apart."""
+    folder = many(name, fibres, segments)
+    every = math.ceil(500 / dt)
+    simulate(folder.name, HEATED + "-temperature_damping 0.02 -temperature_start "
+             f"-ts_dt {dt} -ts_max_steps {400 * every} -monitor_interval {every} "
+             "-energy_monitor ascii:{dir}/energy.csv")
+    return tables.read(folder / "energy.csv")
+
+
+def stretching(table, fibres, segments):
+    """Energy of a bond's stretching over kT/2; slow modes remember four rows."""
+    begin = len(table) // 4
+    return table["stretch"][begin:].mean() / (fibres * (segments - 1) * KT / 2)
+
+
 def equipartition():
     rows, segments, fibres = [], 10, 100
     for dt in (10, 35):
-        folder = many(f"temperature_motion_{dt}", fibres, segments)
-        every = math.ceil(500 / dt)
-        simulate(folder.name, HEATED + "-temperature_damping 0.02 -temperature_start "
-                 f"-ts_dt {dt} -ts_max_steps {400 * every} -monitor_interval {every} "
-                 "-energy_monitor ascii:{dir}/energy.csv")
-        table = tables.read(folder / "energy.csv")
+        table = warm(f"temperature_motion_{dt}", dt, fibres, segments)
         count = 3 * fibres * segments
         for part, what in (("kinetic", "translation"), ("rotational", "rotation")):
             rows.append(within(f"{what}, step of {dt} fs: temperature, K", 300,
@@ -53,10 +64,9 @@ def equipartition():
         # Axial modes of the free chain, each too large by 1/(1 - (omega dt/2)^2).
         swing = np.sqrt(TUBE.B1 / TUBE.m) * np.sin(np.arange(1, segments) * math.pi / 2 / segments)
         expected = np.mean(1 / (1 - (swing * dt)**2))
-        begin = len(table) // 4
         rows.append(within(f"stretching of a bond, step of {dt} fs: energy over kT/2", expected,
-                           table["stretch"][begin:].mean() / (fibres * (segments - 1) * KT / 2),
-                           fibres * (segments - 1) * (len(table) - begin) // 4,
+                           stretching(table, fibres, segments),
+                           fibres * (segments - 1) * (len(table) - len(table) // 4) // 4,
                            "slow modes remember four rows"))
     return rows
 
