@@ -145,6 +145,69 @@ TEST(Contact, ACrossingHasOneFrictionWhereverItFalls) {
   }
 }
 
+/// Two spheres of radius 1 that overlap by 0.2, the second in the direction n from the first; the
+/// first turns at `spin`.
+FrictionLaw::Action rub(const FrictionLaw& law, const Vec3d& n, const Vec3d& velocity,
+                        const Vec3d& spin, double* spring) {
+  ContactPatch patch;
+  patch.load = 2;
+  patch.stiffness = 7;
+  patch.share = 1;
+  patch.overlap = 0.2;
+  patch.normal = n;
+  return law.act(patch, 1.8 * n, {0, 0, 1}, 1.0, {{}, velocity, spin, {}}, 0.01, spring);
+}
+
+TEST(Friction, ASpringTurnsWithItsContactAndKeepsItsLength) {
+  FrictionLaw law;
+  law.mu = 1;
+  double spring[3] = {0.3, 0, 0.1};
+  // The contact rolls from z to x in the plane of the spring's first component.
+  for (int k = 1; k <= 2000; ++k) {
+    const double angle = 0.5 * std::numbers::pi * k / 2000;
+    rub(law, {std::sin(angle), 0, std::cos(angle)}, {}, {}, spring);
+    if (k == 1) {
+      EXPECT_NEAR(spring[0], std::hypot(0.3, 0.1), 1e-3);
+    }
+  }
+  EXPECT_NEAR(spring[0], 0, 1e-12);
+  EXPECT_NEAR(spring[1], 0, 1e-12);
+  EXPECT_NEAR(spring[2], -std::hypot(0.3, 0.1), 1e-12);
+}
+
+TEST(Friction, OfASlidingContactIsTheBoundAndItsSpringHoldsThat) {
+  FrictionLaw law;
+  law.mu = 0.3;
+  double spring[3] = {0, 0, 0};
+  // The surface of j goes along x, at last by 0.01 a step.
+  FrictionLaw::Action action;
+  for (int k = 0; k < 1000; ++k) action = rub(law, {0, 0, 1}, {1, 0, 0}, {}, spring);
+  EXPECT_NEAR(action.forceI.x, 0.3 * 2, 1e-14);
+  EXPECT_NEAR(spring[0], 0.3 * 2 / (2.0 / 7 * 7), 1e-14);
+  EXPECT_NEAR(action.power, 0.3 * 2 * 1, 1e-14);
+  // It acts where the surfaces meet, 0.9 from both centres.
+  EXPECT_NEAR(action.torqueI.y, 0.9 * 0.6, 1e-14);
+  EXPECT_NEAR(action.torqueJ.y, 0.9 * 0.6, 1e-14);
+  // A spin of i about y carries its surface along x too.
+  double other[3] = {0, 0, 0};
+  action = rub(law, {0, 0, 1}, {}, {0, 1, 0}, other);
+  EXPECT_NEAR(other[0], -0.9 * 0.01, 1e-14);
+  EXPECT_NEAR(action.forceI.x, -0.9 * 0.01 * 2, 1e-14);
+}
+
+TEST(Friction, DampingAlongTheNormalIsAtMostTheLoad) {
+  FrictionLaw law;
+  law.restitution = 0.5;
+  law.mass = 3;
+  const double log = std::log(0.5), beta = -log / std::hypot(std::numbers::pi, log),
+               damping = 2 * beta * std::sqrt(7.0 * 3.0);
+  for (const double opening : {0.1, -0.1, 100.0, -100.0}) {
+    double spring[3] = {0, 0, 0};
+    const auto action = rub(law, {0, 0, 1}, {0, 0, opening}, {}, spring);
+    EXPECT_NEAR(action.forceI.z, std::clamp(damping * opening, -2.0, 2.0), 1e-14) << opening;
+  }
+}
+
 TEST(Contact, FibresSlideAlongEachOtherWithoutCorrugation) {
   const auto force = forceOf(0, 0);
   const double overlap = 0.1;

@@ -61,7 +61,8 @@ def section(facts, rows):
              for r in rows if r["kind"] == "cost" and (r["weave_ratio"] or r["periodic_ratio"])}
     terms = [[t.name, f"{ratio[t.cost]:.2f}", t.measure,
               "; ".join(f"{s:g} {t.unit}: {number(found[t.name, f'{s:g} {t.unit}'])}"
-                        for s in t.settings)] for t in TERMS]
+                        for s in t.settings if (t.name, f"{s:g} {t.unit}") in found)]
+             for t in TERMS if t.cost in ratio]
     errors = [r for r in rows if r["kind"] == "error"]
     found = {(r["name"], r["T"]): r["error"] for r in errors}
     lines = [[name, *(number(found.get((name, times))) for times in LENGTHS)]
