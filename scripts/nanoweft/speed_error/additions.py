@@ -18,8 +18,9 @@ from ..verification import contacts, kinds, links, rest
 from .additions_errors import TERMS
 from .matrix import machine, read
 
-COLUMNS = ["kind", "name", "T", "setting", "error", "alone_ns", "alone_ratio", "alone_spread", "weave_ns",
-           "weave_ratio", "weave_spread", "periodic_ns", "periodic_ratio", "periodic_spread"]
+COLUMNS = ["kind", "name", "T", "setting", "error",
+           *(f"{scene}_{what}" for scene in ("alone", "weave", "periodic")
+             for what in ("ns", "ratio", "spread"))]
 WEAVE = {"scene": "weave", "weave_fibres": "24,24", "weave_segments": 120, "damping_local": 0.4,
          "ts_dt": 15}
 SEGMENTS = 2 * 24 * 120

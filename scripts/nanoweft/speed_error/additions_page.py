@@ -10,7 +10,7 @@ TEXT = ("""
 Made by `scripts/speed_error --additions` on {machine}, last by `{command}` in {seconds} s; rows in
 [additions.csv](additions.csv).
 A step of a weave of 24 x 24 tubes of 120 segments ({segments}), with pair forces and with bonds
-alone: user time, the median of 3 or more ratios of a run with the term to one without it next to
+alone: user time, the median of two or three ratios of a run with the term to one without it next to
 it in time (`+-`: half their range). Of the box: a periodic weave of as many, with pair forces.
 
 {costs}
@@ -42,9 +42,8 @@ the ratio above:
 
 {terms}
 
-Friction: the bar shakes when its springs yield, which the mean of 1e5 fs keeps in part. What a box, a holder or a
-bath costs is the ratio; a step of half the length costs twice as much on top, and as many points
-as there are cost in proportion to those of both fibres.
+Friction: the bar shakes when its springs yield, which the mean of 1e5 fs keeps in part. A step of
+half the length costs twice as much on top of the ratio.
 """)
 
 
@@ -62,7 +61,7 @@ def section(facts, rows):
     terms = [[t.name, f"{ratio[t.cost]:.2f}", t.measure,
               "; ".join(f"{s:g} {t.unit}: {number(found[t.name, f'{s:g} {t.unit}'])}"
                         for s in t.settings if (t.name, f"{s:g} {t.unit}") in found)]
-             for t in TERMS if t.cost in ratio]
+             for t in TERMS if any(name == t.name for name, _ in found)]
     errors = [r for r in rows if r["kind"] == "error"]
     found = {(r["name"], r["T"]): r["error"] for r in errors}
     lines = [[name, *(number(found.get((name, times))) for times in LENGTHS)]
