@@ -95,7 +95,9 @@ void pairResolution(benchmark::State& state, const char* options) {
 }
 BENCHMARK_CAPTURE(pairResolution, 3_points, "-pair_points 3");
 BENCHMARK_CAPTURE(pairResolution, 3_points_1_far, "-pair_points 3 -pair_far_points 1");
+BENCHMARK_CAPTURE(pairResolution, 1_point, "-pair_points 1");
 BENCHMARK_CAPTURE(pairResolution, 5_points, "-pair_points 5");
+BENCHMARK_CAPTURE(pairResolution, 5_points_1_far, "-pair_points 5 -pair_far_points 1");
 BENCHMARK_CAPTURE(pairResolution, 7_points, "-pair_points 7");
 
 BENCHMARK_CAPTURE(pairResolution, 3_points_single, "-pair_points 3 -pair_precision single");
