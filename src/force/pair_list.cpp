@@ -144,7 +144,9 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
   onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
     auto mine = [share](int i) { return i >= share.begin && i < share.end; };
-    Parts<std::vector<ListPair>> lists;
+    Parts<FoundPairs> lists;
+    threads_[t].inner.clear();
+    threads_[t].outer.clear();
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -203,7 +205,9 @@ void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
   shares_ = shares;
   onShares(shares.size(), [&](std::size_t t) {
     auto mine = [share = shares[t]](int i) { return i >= share.begin && i < share.end; };
-    Parts<std::vector<ListPair>> lists;
+    Parts<FoundPairs> lists;
+    threads_[t].inner.clear();
+    threads_[t].outer.clear();
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;

@@ -2,9 +2,9 @@
 
 namespace nanoweft {
 
-void PairRuns::set(std::span<const ListPair> pairs, int segments) {
+void PairRuns::set(const FoundPairs& pairs, int segments) {
   std::vector<std::size_t> place(static_cast<std::size_t>(segments), 0);
-  for (const ListPair& p : pairs) ++place[static_cast<std::size_t>(p.i)];
+  pairs.forEach([&](const ListPair& p) { ++place[static_cast<std::size_t>(p.i)]; });
   first_.clear();
   end_.clear();
   std::size_t end = 0;
@@ -18,7 +18,8 @@ void PairRuns::set(std::span<const ListPair> pairs, int segments) {
     end_.push_back(end);
   }
   partners_.resize(end);
-  for (const ListPair& p : pairs) partners_[place[static_cast<std::size_t>(p.i)]++] = p.j;
+  pairs.forEach(
+      [&](const ListPair& p) { partners_[place[static_cast<std::size_t>(p.i)]++] = p.j; });
 }
 
 }  // namespace nanoweft

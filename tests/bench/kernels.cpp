@@ -72,7 +72,7 @@ void pairResolution(benchmark::State& state, const char* options) {
   const auto force = makeForce(options);
   const MinimumImage nearest{Box{}};
   PairRuns listed;
-  listed.set(scene.pairs, static_cast<int>(scene.pose.size() / 8));
+  listed.set(FoundPairs(scene.pairs), static_cast<int>(scene.pose.size() / 8));
   // Drawn once, as it is for ten steps or more.
   DrawnPairs drawn;
   force->draw(listed, scene.pose.data(), nearest, 1.0, drawn);
@@ -137,7 +137,7 @@ void contacts(benchmark::State& state, double angle, double apart) {
   scene.sums.assign(static_cast<std::size_t>(n + 1), ForceSum{});
   const MinimumImage nearest{Box{}};
   PairRuns listed;
-  listed.set(scene.pairs, n);
+  listed.set(FoundPairs(scene.pairs), n);
   DrawnPairs drawn;
   force->draw(listed, scene.pose.data(), nearest, 1.0, drawn);
   PairJob job;

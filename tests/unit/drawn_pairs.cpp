@@ -34,7 +34,7 @@ struct Ball {
 DrawnPairs draw(const PairForce& force, const Ball& ball, std::span<const ListPair> pairs,
                 double margin) {
   PairRuns listed;
-  listed.set(pairs, ball.n);
+  listed.set(FoundPairs(pairs), ball.n);
   DrawnPairs drawn;
   force.draw(listed, ball.pose.data(), MinimumImage{Box{}}, margin, drawn);
   return drawn;
@@ -236,7 +236,7 @@ TEST(PairRuns, HoldWhatTheyWereGiven) {
     std::vector<ListPair> pairs;
     for (std::int32_t k = 0; k < 4 * size; ++k) pairs.push_back({k * k % (size + 1), k});
     PairRuns runs;
-    runs.set(pairs, size + 1);
+    runs.set(FoundPairs(pairs), size + 1);
     EXPECT_EQ(runs.pairs(), pairs.size());
     std::vector<ListPair> found;
     runs.forEach([&](const ListPair& p) { found.push_back(p); });

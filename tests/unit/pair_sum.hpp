@@ -49,7 +49,7 @@ inline Sum evaluate(const PairForce& force, const std::vector<Pose>& segments) {
   std::vector<ForceSum> sum(segments.size() + 1, ForceSum{});
   const MinimumImage nearest{Box{}};
   PairRuns listed;
-  listed.set(pairs, n);
+  listed.set(FoundPairs(pairs), n);
   DrawnPairs drawn;
   force.draw(listed, pose.data(), nearest, 1.0, drawn);
   PairJob job;

@@ -2,8 +2,10 @@
 /// first segment followed by its partners. The pair list is stored in this form.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,6 +18,34 @@ struct ListPair {
   std::int32_t i, j;
 };
 
+/// Pairs while they are being found: blocks that are never moved, since a vector that grows needs
+/// up to three times the memory of its pairs.
+class FoundPairs {
+ public:
+  FoundPairs() = default;
+  explicit FoundPairs(std::span<const ListPair> pairs) {
+    for (const ListPair& p : pairs) push_back(p);
+  }
+
+  void push_back(const ListPair& pair) {
+    if (count_ % blockSize == 0)
+      blocks_.push_back(std::make_unique_for_overwrite<ListPair[]>(blockSize));
+    blocks_.back()[count_++ % blockSize] = pair;
+  }
+
+  template <class Visit>
+  void forEach(const Visit& visit) const {
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+      for (std::size_t k = 0; k < std::min(blockSize, count_ - b * blockSize); ++k)
+        visit(blocks_[b][k]);
+  }
+
+ private:
+  static constexpr std::size_t blockSize = 1 << 14;
+  std::vector<std::unique_ptr<ListPair[]>> blocks_;
+  std::size_t count_ = 0;
+};
+
 class PairRuns {
  public:
   struct Run {
@@ -24,7 +54,8 @@ class PairRuns {
   };
 
   /// Makes runs of pairs whose indices are below `segments`, partners in the order of `pairs`.
-  void set(std::span<const ListPair> pairs, int segments);
+  void set(const FoundPairs& pairs, int segments);
+  void clear() { *this = {}; }
 
   std::size_t runs() const { return first_.size(); }
   Run run(std::size_t k) const {
