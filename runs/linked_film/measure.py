@@ -6,7 +6,6 @@ modulus and largest stress in GPa of a film as thick as its layers, strain at th
 from __future__ import annotations
 
 import pathlib
-import re
 import sys
 
 import numpy as np
@@ -15,6 +14,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
 from nanoweft import runs, tables  # noqa: E402
 from nanoweft.generators import LENGTH  # noqa: E402
+from nanoweft.runs import Printed  # noqa: E402
 
 LAYERS, GAP = 8, 17.3436
 COVERAGE = 0.125 * LAYERS
@@ -46,8 +46,7 @@ def film(folder: pathlib.Path, segments: int, links: float, seed: int) -> tuple[
     text = stage("link", "-film_size", f"{side},{side}", "-film_segments", str(segments),
                  "-film_coverage", str(COVERAGE), "-seed", str(seed), "-state_output", f"{name}.h5",
                  "-links_density", str(links / (2 * segments * LENGTH)))
-    fibres, made = (int(re.search(pattern, text).group(1))
-                    for pattern in (r"(\d+) fibres", r"(\d+) links"))
+    fibres, made = (Printed(text).number(pattern) for pattern in (r"(\d+) fibres", r"(\d+) links"))
     thickness = ["-deform_thickness", str(LAYERS * GAP)]
     stage("strain", "-scene_file", f"{name}.h5", *thickness, "-state_output", f"{name}_strained.h5")
     stage("rest", "-scene_file", f"{name}_strained.h5", "-box_monitor", f"ascii:{name}_rest.csv",

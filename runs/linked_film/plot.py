@@ -17,7 +17,7 @@ from nanoweft.pictures import curve  # noqa: E402
 Array = NDArray[np.float64]
 
 
-def power(links: Array, found: Array, lot: Array) -> tuple[float, float, Array]:
+def power(links: Array, found: Array, lot: NDArray[np.int64]) -> tuple[float, float, Array]:
     """Exponent, its standard error, and the logarithms of the heights of both lots."""
     terms = np.column_stack([np.log(links), lot == 0, lot == 1]).astype(float)
     fit, rest, *_ = np.linalg.lstsq(terms, np.log(found), rcond=None)
@@ -42,4 +42,4 @@ for name, found in ("modulus", 1e3 * modulus), ("strength", 1e3 * strength):
                                   (links[lot == number], found[lot == number]),
                                   f"power {slope:.1f}"))
 curve.draw(options.output, ("links a tube", "MPa"), curves, xscale="log", yscale="log",
-           xticks=[3, 4, 5, 6], xticklabels=["3", "4", "5", "6"])
+           ylim=(1, 3e4), xticks=[3, 4, 5, 6], xticklabels=["3", "4", "5", "6"])

@@ -48,7 +48,7 @@ def tube(random: np.random.Generator, angle: float) -> states.Fibre:
 
 
 def crossings(x: Array, tubes: int) -> Array:
-    """Fibre and index of the nearest segments [L,2,2] wherever two tubes of the two planes cross."""
+    """Fibre and index of the nearest segments [L,2,2] where tubes of the two planes cross."""
     ends = []
     flat = x.reshape(tubes, SEGMENTS, 3)[..., :2]
     for i in range(tubes):
@@ -59,7 +59,7 @@ def crossings(x: Array, tubes: int) -> Array:
             near = np.linalg.norm(way - SIDE * np.round(way / SIDE), axis=2)
             inner = near < LENGTH / np.sqrt(2)
             while inner.any():
-                a, b = np.unravel_index(np.argmin(np.where(inner, near, np.inf)), near.shape)
+                a, b = divmod(int(np.argmin(np.where(inner, near, np.inf))), SEGMENTS)
                 ends.append([(i, a), (j, b)])
                 inner[max(0, a - 2):a + 3, max(0, b - 2):b + 3] = False
     return np.array(ends)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Plot of Poisson's ratio from tables that measure.py prints: plot.py SHARE_TABLE WAVE_TABLE FILE"""
+"""Plot of Poisson's ratio from tables of measure.py: plot.py SHARE_TABLE WAVE_TABLE FILE"""
 from __future__ import annotations
 
 import pathlib
