@@ -99,9 +99,15 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
   OptionSection servo(options, topic, driven, "no direction is driven to a stress");
   modulus_ = servo.real("deform_modulus", 10.0, "GPa",
                         "the servo strains by the missing stress over this", positive);
-  relaxes_ = servo.real("deform_time", 2000.0, units.time, "in this time", positive);
-  most_ =
-      servo.real("deform_most_rate", 1e-5, perTime.c_str(), "but no faster than this", positive);
+  const auto relaxes = servo.maybeReal("deform_time", "2000", units.time, "in this time", positive);
+  const auto most = servo.maybeReal("deform_most_rate", "1e-05", perTime.c_str(),
+                                    "but no faster than this", positive);
+  // The defaults are those of nanotubes in fs; thicker fibres are slower by what only users know.
+  if (driven && units.name != "nano" && !(relaxes && most))
+    throw InputError("-deform_time, -deform_most_rate: must be given with -units " + units.name +
+                     ", where a direction is driven to a stress");
+  relaxes_ = relaxes.value_or(2000.0);
+  most_ = most.value_or(1e-5);
 }
 
 const char* BoxDrive::shears() const {

@@ -156,7 +156,8 @@ TEST(Box, WhatCannotBeMeantIsRefused) {
       {"-weave_periodic -deform_x program", {"-deform_x_program"}},
       {"-weave_periodic -deform_x program -deform_x_program 0.1", {"-deform_x_program", "odd"}},
       {"-weave_periodic -deform_x free -deform_x_stress 1", {"-deform_x_stress"}},
-      {"-weave_periodic -deform_x free -relax_method fire", {"-deform_x"}}};
+      {"-weave_periodic -deform_x free -relax_method fire", {"-deform_x"}},
+      {"-weave_periodic -deform_x free -units si -fibre_preset carbon_t300", {"-deform_time"}}};
   for (const auto& c : cases) expectRefused(run(folder, weave + c.options), c.says);
 }
 
