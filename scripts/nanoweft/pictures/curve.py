@@ -33,6 +33,6 @@ def draw(file: str, axes: tuple[str, str], curves: list[Curve], **look: Any) -> 
                 panel.plot(*curve.dots, "o", color=colour, markersize=4,
                            label=f"{curve.label}, measured")
         panel.set(xlabel=axes[0], ylabel=axes[1], **look)
-        panel.legend()
+        panel.legend(ncols=2 if len(curves) > 2 else 1)
         figure.savefig(file)
         plt.close(figure)
