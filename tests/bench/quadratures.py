@@ -163,7 +163,7 @@ def lines(scene: Scene, n: int, curved: bool) -> Found:
 
 
 def bundle(rng: np.random.Generator) -> list[Scene]:
-    """37 straight tubes, hexagonally packed, slightly disordered: segments in the middle, at ends."""
+    """37 straight tubes side by side, slightly disordered: segments in the middle, at the ends."""
     x, e, fibre = [], [], []
     count = 16
     for f, place in enumerate(generators.hexagon(17.07, 3)):
