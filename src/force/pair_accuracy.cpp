@@ -1,6 +1,7 @@
 #include "nanoweft/force/pair_accuracy.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/force/quadrature.hpp"
@@ -16,33 +17,35 @@ constexpr double margin = 0.5;
 /// Places that are tried for the split of a law.
 constexpr int places = 8;
 
-bool keeps(double accuracy, const PairForce& force, const Fibre& fibre) {
-  const auto errors = expectedForceErrors(force, fibre);
-  if (!errors)
-    throw InputError(format(
-        "-pair_accuracy %g: the error of the law %s can't be estimated, since it only attracts or "
-        "is very wide or narrow beside a segment; give -pair_points instead",
-        accuracy, force.description().substr(0, force.description().find_first_of(" ,")).c_str()));
-  return errors->larger() <= margin * accuracy;
-}
-
 }  // namespace
 
 PointChoice pointsByAccuracy(double accuracy, const Fibre& fibre, double rest, double switchFrom,
                              const MakeWithPoints& make) {
-  auto enough = [&](const PointChoice& points) { return keeps(accuracy, *make(points), fibre); };
+  auto errors = [&](const PointChoice& points) {
+    return expectedForceErrors(*make(points), fibre);
+  };
+  auto enough = [&](const std::optional<ForceErrors>& found) {
+    return found && found->larger() <= margin * accuracy;
+  };
   int near = 1;
-  while (!enough({near, near}))
-    if (++near > mostPairPoints)
-      throw InputError(
-          format("-pair_accuracy %g: not reached with %d points; take shorter segments", accuracy,
-                 mostPairPoints));
+  for (auto found = errors({1, 1}); !enough(found); found = errors({near, near})) {
+    if (!found && near == 1)
+      throw InputError(format(
+          "-pair_accuracy %g: the errors of this law can't be estimated, since it only attracts or "
+          "is very wide or narrow beside a segment; give -pair_points instead",
+          accuracy));
+    if (!found || near == mostPairPoints)
+      throw InputError(format(
+          "-pair_accuracy %g: not reached with %d points on a segment; take shorter segments",
+          accuracy, near));
+    ++near;
+  }
   if (switchFrom <= rest) return {near, near};
   for (int more = near; more <= std::min(near + 1, mostPairPoints); ++more)
     for (int far = 1; far < std::min(near, 3); ++far)
       for (int k = 1; k < places; ++k) {
         const PointChoice split{more, far, rest + (switchFrom - rest) * k / places};
-        if (enough(split)) return split;
+        if (enough(errors(split))) return split;
       }
   return {near, near};
 }

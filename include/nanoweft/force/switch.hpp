@@ -1,4 +1,4 @@
-/// A smooth step from one to zero: ends a pair law at its cutoff, and blends two sums over points.
+/// A smooth step from one to zero, which ends a pair law at its cutoff.
 #pragma once
 
 #include "nanoweft/base/simd.hpp"
