@@ -37,7 +37,7 @@ be nothing. Adhesion: of two tubes at rest. Energy drift: seven tubes fall toget
 setting's own step; largest error of the energy over the largest kinetic energy.
 
 * `fast`: for first looks and large damped scenes.
-* `balanced`: for everything else.
+* `balanced`: for everything else; what the program does by itself.
 * `paper`: to compare with the paper. Its splice is the one nearest to the printed equation, which puts a jump of the
   stiffness where tubes rest: {paper_corrugation} of the adhesion energy acts as friction that isn't there.
 * `reference`: to check one of the others on a small piece of your own scene.
