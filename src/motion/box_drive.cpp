@@ -94,8 +94,10 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
   OptionSection ofRates(options, topic, rated, "no direction is strained at a rate");
   ramp_ = ofRates.real("deform_ramp", 0.0, units.time,
                        "rates of strain grow linearly for this long", nonNegative);
-  thickness_ = any.real("deform_thickness", 0.0, units.length,
-                        "of a sheet, for stresses; 0: that of the box", nonNegative);
+  OptionSection ofStress(options, topic, active_ || any.given("box_monitor"),
+                         "the box is held, and there is no -box_monitor");
+  thickness_ = ofStress.real("deform_thickness", 0.0, units.length,
+                             "of a sheet, for stresses; 0: that of the box", nonNegative);
   OptionSection servo(options, topic, driven, "no direction is driven to a stress");
   modulus_ = servo.real("deform_modulus", 10.0, "GPa",
                         "the servo strains by the missing stress over this", positive);
@@ -126,7 +128,6 @@ std::string BoxDrive::text() const {
 
 void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
   for (std::size_t d = 0; d < 3; ++d) start_[d] = box.length(static_cast<int>(d));
-  if (!active_) return;
   int open = 0;
   for (std::size_t d = 0; d < 3; ++d) {
     if (!box.periodic[d]) ++open;
@@ -137,6 +138,7 @@ void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
   if (thickness_ > 0 && open != 1)
     throw InputError(
         "-deform_thickness: it is that of a sheet, whose box is open in one direction");
+  if (!active_) return;
   if (sheared_ != none) attachShear(box, record, restart);
   if (!restart) return;
   const auto& numbers = record.needReals("deform", 12);

@@ -96,6 +96,23 @@ TEST(Box, ATriangularLatticeOfSpringsHasItsElasticConstants) {
   }
 }
 
+TEST(Box, AHeldSheetHasItsStressOverItsThickness) {
+  auto stress = [](const std::string& options) {
+    const Folder folder;
+    const auto outcome = run(folder,
+                             "-weave_fibres 4,4 -weave_segments 24 -weave_periodic -ts_max_steps 0 "
+                             "-box_monitor ascii:box.csv " +
+                                 options);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return readCsv(folder / "box.csv").at("xx_GPa").back();
+  };
+  const double ofBox = stress(""), thin = stress("-deform_thickness 10"),
+               thick = stress("-deform_thickness 40");
+  ASSERT_NE(ofBox, 0);
+  EXPECT_NEAR(thin / thick, 4.0, 1e-9);
+  EXPECT_GT(std::abs(thin), std::abs(ofBox));
+}
+
 TEST(Box, ItsWorkBalancesToSecondOrder) {
   // A lattice out of order, whose nodes do not simply follow the box; the last run stretches and
   // shears it at once.
