@@ -13,7 +13,7 @@ COLOURS = [*style.CYCLE, INK]
 LOOK = {
     ("points", "smooth"): (BLUE, "o", "-", "points a segment, smooth"),
     ("points", "kink"): (VERMILION, "s", "-", "points a segment, kink"),
-    ("far points", ""): (GREEN, "D", "none", "fewer points for far pairs"),
+    ("far points", ""): (GREEN, "D", "none", "fewer points for far parts"),
     ("settings", ""): (INK, "*", "none", "option files"),
 }
 TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50)
