@@ -95,6 +95,28 @@ TEST(SameBits, WhateverTheSkin) {
   }
 }
 
+TEST(SameBits, SegmentsThatTurnTowardsEachOtherMeetInTime) {
+  // Their centres hardly move. A restart draws its pairs anew, when the ends are near already.
+  const Folder scene;
+  writeState(scene / "in.h5",
+             {straightFibre({0, 0, 0}, {0, 1, 0}, 1), straightFibre({34, 0, 0}, {0, 1, 0}, 1)});
+  setMotion(
+      scene / "in.h5", [](std::size_t, const Vec3d&) { return Vec3d{}; },
+      [](std::size_t, const Vec3d&) {
+        return Vec3d{0, 0, 4e-4};
+      });
+  const std::string options = "-scene file -scene_file " + scene / "in.h5" + outputs +
+                              " -ts_dt 20 -checkpoint_file c.h5 -ts_max_steps ";
+  const Folder whole, pieces;
+  auto outcome = run(whole, options + "400", 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(pieces, options + "150", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(pieces, options + "400 -restart c.h5", 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(readFile(pieces / "out.h5") == readFile(whole / "out.h5"));
+}
+
 TEST(SameBits, TensionWithBreakage) {
   expectSameFiles(
       "-weave_fibres 4,4 -weave_segments 32 -damping_local 0.4 -tension_rate 2e-5 -tension_ramp "

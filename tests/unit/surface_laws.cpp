@@ -151,6 +151,10 @@ TEST(SurfaceLaws, CrossedFibresHaveDerjaguinsForceWithThePointsThatTheProgramCho
                   {2.9, 2.8, 3.3});
 }
 
+TEST(SurfaceLaws, HydrogenBondsEndWhereTheManualSays) {
+  EXPECT_NEAR(read(hydrogen).classes()[0].force->cutoff(), 2 * radius + 3.75 * 2.9, 1e-9);
+}
+
 TEST(SurfaceLaws, ABridgePullsCrossedFibresAsMeasured) {
   const double tension = 0.0045, volume = 20000, angle = 0.5;
   const PairForces pairs = read(fibre +
