@@ -64,7 +64,7 @@ class Comparison {
   }
 
   /// Distance with the least energy, or with the overlap of a soft repulsion, of two endless
-  /// straight fibres; `along` and `across`: direction of the other and the position of its middle.
+  /// straight fibres, one along x; `along`: direction of the other, `across`: of the distance.
   double restSpacing(const Vec3d& along, const Vec3d& across) const {
     if (rest_ <= fibre_.diameter()) return fibre_.diameter() - hertzOverlap * fibre_.radius;
     auto energy = [&](double distance) {
