@@ -172,15 +172,28 @@ double readHertz(const PairReader& read, double usual) {
                 positive);
 }
 
+void readAccuracy(PairReader& read) {
+  OptionSection s(read.options, topic, read.is("hertz") || !rangedLaws(read).empty(),
+                  "-pair is " + read.laws());
+  read.accuracy = s.maybeReal(
+      "pair_accuracy", "none", "",
+      "largest rms error of forces in a bundle and at a crossing, over their rms; chooses "
+      "-pair_points and far points (between kinds they follow from the laws' widths)",
+      {1e-6, 1.0});
+}
+
 PairChoice readChoice(const PairReader& read) {
   OptionSection s(read.options, topic, !read.is("none"), "-pair is none");
   PairChoice choice;
   choice.length = {read.a.length, read.b.length};
   OptionSection ofVdw = read.of("vdw");
+  // Its error is a millionth, the least accuracy that may be asked for.
+  const bool enough = read.accuracy && !read.mixed() && read.is("vdw") && singlePrecisionPays();
   choice.single =
-      ofVdw.choice("pair_precision", "double", {"double", "single"},
-                   "of the law's values and of their sums over a pair's points; pairs of two kinds "
-                   "are always summed in double") == "single";
+      ofVdw.choice("pair_precision", enough ? "single" : "double", {"double", "single"},
+                   "of the law's values and of their sums over a pair's points, pairs of two kinds "
+                   "always in double; with -pair_accuracy single where the build is for AVX-512") ==
+      "single";
   if (choice.single && !singlePrecisionPays())
     throw InputError(
         "-pair_precision single: needs a build for AVX-512 (-DNANOWEFT_ARCH=x86-64-v4 or native "
@@ -222,9 +235,10 @@ std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& 
   const char *length = read.units.length, *energy = read.units.energy;
   const std::string description = format(
       "vdw %s, eps %.5g %s, A %g, B %g, alpha %g, beta %g, lambda %.4g %s, k %.4g %s/%s^2, "
-      "rest distance %.6g %s, range %.6g to %.6g %s",
+      "rest distance %.6g %s, range %.6g to %.6g %s%s",
       p.smooth ? "smooth" : "kink", p.epsilon, energy, p.a, p.b, p.alpha, p.beta, p.length, length,
-      p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length);
+      p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length,
+      choice.single ? ", single precision" : "");
   const LawWidth width{lawWidth(rest, read.a, read.b), nearSpacing};
   return makePairForce(law.table(), traitsOf(read, law, rest, width, description), choice);
 }
@@ -270,16 +284,6 @@ void readChosen(PairReader& read, std::vector<std::string>& laws) {
   laws = read.chosen;
 }
 
-void readAccuracy(PairReader& read) {
-  OptionSection s(read.options, topic, read.is("hertz") || !rangedLaws(read).empty(),
-                  "-pair is " + read.laws());
-  read.accuracy = s.maybeReal(
-      "pair_accuracy", "none", "",
-      "largest rms error of forces in a bundle and at a crossing, over their rms; chooses "
-      "-pair_points and far points (between kinds they follow from the laws' widths)",
-      {1e-6, 1.0});
-}
-
 /// A law's force with the points that options say, or that keep the accuracy asked for.
 using MakeForce = std::function<std::unique_ptr<PairForce>(const PairChoice&)>;
 std::unique_ptr<PairForce> makeWithPoints(const PairReader& read, const PointNeed& need,
@@ -298,6 +302,7 @@ std::unique_ptr<PairForce> makeWithPoints(const PairReader& read, const PointNee
 /// The pair forces of all laws.
 std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
   readChosen(read, law.chosen);
+  readAccuracy(read);
   PairChoice choice = readChoice(read);
   VdwParameters vdw = readVdw(read, law.vdw);
   const GivenRange range = readRange(read);
@@ -308,7 +313,6 @@ std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
   for (const SurfaceLawType& type : surfaceLaws())
     if (auto found = readSurfaceLaw(read, type, range, law.surface))
       surfaces.push_back(std::move(*found));
-  readAccuracy(read);
   std::vector<std::unique_ptr<PairForce>> forces;
   auto keep = [&](const PointNeed& need, const PairChoice& with, const MakeForce& make) {
     forces.push_back(makeWithPoints(read, need, with, make));

@@ -228,6 +228,15 @@ TEST(ForceError, AnAccuracyThatIsAskedForChoosesThePoints) {
   EXPECT_FALSE(hertz->points().split());
 }
 
+TEST(ForceError, AnAccuracyTakesSinglePrecisionWhereThatPays) {
+  auto single = [](const std::string& options) {
+    return pairOf(options, nanoUnits())->description().ends_with(", single precision");
+  };
+  EXPECT_EQ(single("-pair_accuracy 0.05"), singlePrecisionPays());
+  EXPECT_FALSE(single("-pair_accuracy 0.05 -pair_precision double"));
+  EXPECT_FALSE(single(""));
+}
+
 TEST(ForceError, PointsTooCoarseForTheLawAreNamed) {
   const Fibre tube = cnt1010(nanoUnits());
   auto warnings = [&](const char* text) {
