@@ -23,6 +23,15 @@ class SelfFolding(FolderTest):
         self.assertLess(critical, self_folding.CIRCLE)
 
 
+class Windings(FolderTest):
+    def test_a_ring_winds_as_often_as_bending_against_adhesion_says(self) -> None:
+        folder = pathlib.Path(self.folder)
+        found = [windings.relaxed(folder, 375, n) for n in (2, 3, 4)]
+        closed = [windings.closed_form(375, n) for n in (2, 3, 4)]
+        self.assertEqual((np.argmin(found), np.argmin(closed)), (1, 1))
+        np.testing.assert_allclose(found[:2], closed[:2], rtol=0.01)
+
+
 class PullOut(FolderTest):
     def test_the_force_that_parts_two_tubes_is_their_adhesion_per_length(self) -> None:
         way, force = pull_out.pulled(pathlib.Path(self.folder), 2)
@@ -67,5 +76,5 @@ class Rods(FolderTest):
 
 if __name__ == "__main__":
     sys.path.insert(0, sys.argv[1])
-    from nanoweft.published import insulin, pull_out, rods, self_folding
+    from nanoweft.published import insulin, pull_out, rods, self_folding, windings
     unittest.main(argv=sys.argv[:1])
