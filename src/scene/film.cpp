@@ -1,7 +1,8 @@
 /// Scene `film`: fibres with places and directions by lot in the plane, either in flat layers, in
 /// each of which none overlap, or deposited one after another on a flat ground. Each of these comes
 /// to lie as low as those below it let it: on top of what it crosses, and between crossings down
-/// again, as steeply as it may.
+/// again, as steeply as it may. A straight fibre for which lots find no place in its layer lies
+/// beside one of those before it, so that dense layers are of bundles.
 ///
 /// Where a fibre comes to lie depends on those before it, so every rank lays all of them: 24 bytes
 /// and a piece of the crowd a segment.
@@ -19,6 +20,9 @@ namespace {
 
 /// Segments to either side over which a fibre rounds off where it comes down.
 constexpr int rounding = 1;
+
+/// Places beside others that are tried for a straight fibre.
+constexpr std::uint32_t besideTrials = 20000;
 
 /// The highest (or, for `mean`, the mean) of so many neighbours to either side.
 template <class Choose>
@@ -59,12 +63,22 @@ Curve through(const std::vector<Vec3d>& points, double step) {
   };
 }
 
+struct FilmOptions {
+  std::array<double, 2> size{};
+  std::optional<long> fibres;
+  double coverage = 1, slope = 0, persistence = 0;
+  std::optional<double> fraction;
+  int segments = 50, layers = 0, bundle = 1;
+  bool periodic = true;
+};
+
 class Film {
  public:
-  Film(const Box& box, double slope, int layers, const KindMix& mix, const SceneContext& context)
+  Film(const Box& box, const FilmOptions& options, const KindMix& mix, const SceneContext& context)
       : box_(box),
-        slope_(slope),
-        layers_(layers),
+        slope_(options.slope),
+        layers_(options.layers),
+        bundle_(options.bundle),
         // Round-off must not bring layers nearer than the gap.
         pile_(mix.widest() * (1.0 + 1e-9)),
         mix_(mix),
@@ -80,7 +94,12 @@ class Film {
     auto taken = [&](const LaidPiece& piece) {
       return layers_ > 0 ? crowded(crowd_, piece, mix_) : meetsItself(piece);
     };
-    auto line = growWorm(crowd_, box_, {f, kind, segments, T, persistence, height, seed_}, taken);
+    const bool beside = layers_ > 0 && persistence == 0;
+    std::optional<Line> line;
+    if (beside) line = layBeside(f, kind, segments, f / layers_ % bundle_);
+    if (!line)
+      line = growWorm(crowd_, box_, {f, kind, segments, T, persistence, height, seed_}, taken);
+    if (!line && beside) line = layBeside(f, kind, segments, f / layers_);
     if (!line) return false;
     if (layers_ == 0) deposit(*line, f, kind);
     lines_.push_back(std::move(*line));
@@ -112,6 +131,56 @@ class Film {
     });
   }
 
+  /// The image of a place that lies in the film, if there is one.
+  std::optional<Vec3d> intoFilm(const Vec3d& place) const {
+    double x[3] = {place.x, place.y, place.z};
+    std::int32_t images[3] = {};
+    box_.wrap(x, images);
+    for (int d = 0; d < 2; ++d)
+      if (x[d] < box_.lower[d] || x[d] > box_.upper[d]) return std::nullopt;
+    return Vec3d{x[0], x[1], x[2]};
+  }
+
+  /// A straight fibre parallel to one of so many that lie before it in its layer, a gap beside it.
+  /// Empty: nowhere.
+  std::optional<Line> layBeside(std::int64_t f, int kind, int segments, std::int64_t before) {
+    const double T = mix_.all()[kind].length;
+    for (std::uint32_t trial = 0; before > 0 && trial < besideTrials; ++trial) {
+      const auto [which, side] = uniformPair(seed_, Purpose::sceneShape, f, 2 * trial);
+      const auto [along, way] = uniformPair(seed_, Purpose::sceneShape, f, 2 * trial + 1);
+      const std::int64_t g =
+          f - layers_ * (1 + static_cast<std::int64_t>(which * static_cast<double>(before)));
+      const std::vector<Vec3d>& other = lines_[static_cast<std::size_t>(g)].points;
+      const Vec3d e = unitVector(other.back() - other.front());
+      const double gap = mix_.gap(kind, mix_.of(g)) * (1.0 + 1e-9), length = (segments - 1) * T;
+      // Beside each other along half of their length at least, or where that fails along less.
+      const double reach = trial < besideTrials / 2 ? length : 2.0 * length,
+                   shift =
+                       0.5 * (norm(other.back() - other.front()) - length) + (along - 0.5) * reach;
+      const auto x =
+          intoFilm(other.front() + shift * e + (side < 0.5 ? gap : -gap) * Vec3d{-e.y, e.x, 0});
+      if (!x) continue;
+      Line line;
+      for (int k = 0; k < segments; ++k)
+        line.points.push_back(*x + ((way < 0.5 ? k : segments - 1 - k) * T) * e);
+      if (layFree(line, f, kind)) return line;
+    }
+    return std::nullopt;
+  }
+
+  /// Takes the line into the crowd unless it meets anything there.
+  bool layFree(const Line& line, std::int64_t f, int kind) {
+    const std::size_t before = crowd_.size();
+    for (const LaidPiece& piece : piecesOf(line, f, kind)) {
+      if (crowded(crowd_, piece, mix_)) {
+        crowd_.shrink(before);
+        return false;
+      }
+      crowd_.add(piece);
+    }
+    return true;
+  }
+
   void deposit(Line& line, std::int64_t f, int kind) const {
     std::vector<double> need;
     for (const LaidPiece& piece : piecesOf(line, f, kind)) need.push_back(restingOn(piece));
@@ -139,21 +208,12 @@ class Film {
 
   Box box_;
   double slope_;
-  int layers_;
+  int layers_, bundle_;
   double pile_;  ///< height of a layer
   const KindMix& mix_;
   std::uint64_t seed_;
   Crowd crowd_;              ///< in layers, or where all is seen from above
   std::vector<Line> lines_;  ///< a segment length apart in the plane
-};
-
-struct FilmOptions {
-  std::array<double, 2> size{};
-  std::optional<long> fibres;
-  double coverage = 1, slope = 0, persistence = 0;
-  std::optional<double> fraction;
-  int segments = 50, layers = 0;
-  bool periodic = true;
 };
 
 FilmOptions readFilm(OptionSection& s, const SceneContext& context) {
@@ -182,6 +242,15 @@ FilmOptions readFilm(OptionSection& s, const SceneContext& context) {
       static_cast<int>(s.maybeInteger("film_layers", "deposited one on another",
                                       "fibres are laid in so many flat layers instead", 1, 1000000)
                            .value_or(0));
+  p.bundle = static_cast<int>(
+      s.integer("film_bundle", 1,
+                "straight fibres of a flat layer that lie side by side, as far as there is room", 1,
+                1000000));
+  if (p.bundle > 1 && (p.layers == 0 || p.persistence > 0))
+    throw InputError(
+        format("-film_bundle %d: straight fibres in -film_layers lie side by side, and "
+               "none that are worm-like or deposited",
+               p.bundle));
   p.slope = s.real("film_slope", 0.2, "", "steepness at which a fibre comes down behind a crossing",
                    {0.0, 0.5});
   p.periodic = s.flag("film_periodic", true, "periodic in x and y; else fibres jut out");
@@ -196,7 +265,8 @@ double stretchFor(const FilmOptions& p, double volume, double top, double thickn
   if (factor < 1.0)
     throw InputError(
         format("-film_fraction %g: as laid the film fills a fraction of %.4g; flat layers "
-               "(-film_layers), fewer of them, or a steeper -film_slope make it denser",
+               "(-film_layers), fewer of them, -film_bundle or a steeper -film_slope make it "
+               "denser",
                *p.fraction, volume / (area * (top + thickness))));
   return factor;
 }
@@ -217,15 +287,15 @@ std::unique_ptr<Scene> makeFilmScene(Options& options, const SceneContext& conte
   Box box;
   box.upper = {p.size[0], p.size[1], 1.0};
   box.periodic = {p.periodic, p.periodic, false};
-  auto film = std::make_shared<Film>(box, p.slope, p.layers, *mix, context);
+  auto film = std::make_shared<Film>(box, p, *mix, context);
   for (std::int64_t f = 0; f < fibres; ++f)
     if (!film->lay(f, mix->segments(f, p.segments), p.persistence))
-      throw InputError(
-          format("-scene film: no place for fibre %lld of %lld in %d trials; %s",
-                 static_cast<long long>(f + 1), static_cast<long long>(fibres), wormTrials,
-                 p.layers > 0
-                     ? "more -film_layers, shorter fibres or a shorter -film_persistence make room"
-                     : "it met itself, for which the film is too small"));
+      throw InputError(format(
+          "-scene film: no place for fibre %lld of %lld in %d trials; %s",
+          static_cast<long long>(f + 1), static_cast<long long>(fibres), wormTrials,
+          p.layers > 0
+              ? "more -film_layers, shorter fibres or straight ones in a -film_bundle make room"
+              : "it met itself, for which the film is too small"));
   Laying laying{"film", mix, fibres};
   laying.segments = [=](std::int64_t f) { return mix->segments(f, p.segments); };
   const double volume = volumeOf(laying), top = film->top(),

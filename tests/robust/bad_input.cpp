@@ -140,6 +140,9 @@ const std::vector<Case> cases = {
     {"FilmPersistence",
      "-scene film -film_persistence 20 -ts_max_steps 2",
      {"-film_persistence 20", "five segments"}},
+    {"FilmBundlesOfWorms",
+     "-scene film -film_layers 3 -film_bundle 5 -film_persistence 500 -ts_max_steps 2",
+     {"-film_bundle 5", "straight fibres in -film_layers"}},
     {"NetworkTooDense",
      "-scene network -network_size 300,300,300 -network_segments 15 -network_fraction 0.5 "
      "-ts_max_steps 2",

@@ -107,6 +107,18 @@ const std::vector<Case> cases = {
      {"coverage 1.996", "volume fraction", "thickness"},
      {700, 700, 0},
      133},
+    {"FilmOfBundles",
+     "-scene film -film_segments 40 -film_layers 5 -film_bundle 10 -film_coverage 2 "
+     "-film_size 900,900",
+     {"volume fraction 0.2565", "coverage 1.998"},
+     {900, 900, 0},
+     220},
+    {"FilmWhereNoPlaceIsLeftByLot",
+     "-scene film -film_segments 40 -film_layers 3 -film_coverage 0.62 -film_size 700,700 "
+     "-film_periodic no",
+     {"coverage 0.6"},
+     {},
+     41},
     {"FilmOfWorms",
      "-scene film -film_segments 40 -film_fibres 50 -film_size 700,600 -film_persistence 800",
      {"50 fibres"},
