@@ -93,6 +93,7 @@ void drawPairs(const PairRuns& listed, const double* pose, const MinimumImage& n
                drawn2 = (ranges.reach + ranges.margin) * (ranges.reach + ranges.margin);
   const NearPairs nearPairs(pose, nearest, ranges);
   drawn.inside.clear();
+  drawn.inside.reserve(listed.pairs());
   drawn.near.clear();
   drawn.rim.clear();
   drawn.ends.clear();

@@ -124,6 +124,14 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const
   return shares;
 }
 
+void PairList::start(const std::vector<Share>& shares) {
+  shares_ = shares;
+  // What was drawn before gives its memory to the pairs that are being found.
+  drawn_.clear();
+  drawn_.resize(shares.size());
+  threads_.resize(shares.size());
+}
+
 void PairList::build(const State& state, const KindCells& where, const std::vector<Share>& shares,
                      double range, int exclude) {
   const CellIndex& cells = where.cells;
@@ -134,9 +142,7 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
   // Owned segments are stored in the order of the domain's cells, which other cells do not have.
   const bool ascends = ownedAscend(order, owned);
   OrderedSegments segments(order.size());
-  threads_.resize(shares.size());
-  drawn_.resize(shares.size());
-  shares_ = shares;
+  start(shares);
 
 #pragma omp parallel for num_threads(static_cast <int>(shares.size()))
   for (std::size_t k = 0; k < order.size(); ++k)
@@ -145,8 +151,6 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
     const Share share = shares[t];
     auto mine = [share](int i) { return i >= share.begin && i < share.end; };
     Parts<FoundPairs> lists;
-    threads_[t].inner.clear();
-    threads_[t].outer.clear();
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -181,8 +185,7 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
                 if (!(apart >> std::abs(places) & 1)) continue;
               }
             }
-            (j < owned ? lists.inner : lists.outer)
-                .push_back(row < other ? ListPair{i, j} : ListPair{j, i});
+            (j < owned ? lists.inner : lists.outer).add(i, j, row < other);
           }
         }
       }
@@ -200,14 +203,10 @@ void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
   OrderedSegments segments(order.size());
   for (std::size_t k = 0; k < order.size(); ++k)
     segments.set(k, order[k], state.position(order[k]));
-  threads_.resize(shares.size());
-  drawn_.resize(shares.size());
-  shares_ = shares;
+  start(shares);
   onShares(shares.size(), [&](std::size_t t) {
     auto mine = [share = shares[t]](int i) { return i >= share.begin && i < share.end; };
     Parts<FoundPairs> lists;
-    threads_[t].inner.clear();
-    threads_[t].outer.clear();
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -221,7 +220,7 @@ void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
         for (std::size_t n = 0; n < count; ++n) {
           const int j = found[n];
           if (!mine(i) && !mine(j)) continue;
-          (i < state.owned() && j < state.owned() ? lists.inner : lists.outer).push_back({i, j});
+          (i < state.owned() && j < state.owned() ? lists.inner : lists.outer).add(i, j, true);
         }
       }
     }

@@ -17,6 +17,8 @@ void PairRuns::set(const FoundPairs& pairs, int segments) {
     first_.push_back(i);
     end_.push_back(end);
   }
+  // A vector that grows would hold its old pairs as well.
+  if (end > partners_.capacity()) partners_ = {};
   partners_.resize(end);
   pairs.forEach(
       [&](const ListPair& p) { partners_[place[static_cast<std::size_t>(p.i)]++] = p.j; });

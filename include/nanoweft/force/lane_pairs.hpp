@@ -36,6 +36,8 @@ class LanePairs {
   };
 
   void clear();
+  /// Reserves memory for so many pairs, of which only what is used becomes resident.
+  void reserve(std::size_t pairs) { partners_.reserve(pairs + pairs / 8); }
   /// Stores a first segment and its partners until `arrange`.
   void add(std::int32_t first, std::span<const std::int32_t> partners);
   /// Puts the segments added since the last call into groups. Segments with about as many partners

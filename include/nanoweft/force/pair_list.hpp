@@ -58,6 +58,8 @@ class PairList {
   void count(double weight, std::vector<double>& work) const;
 
  private:
+  void start(const std::vector<Share>& shares);
+
   std::vector<Parts<PairRuns>> threads_;
   std::vector<Parts<DrawnPairs>> drawn_;
   std::vector<Share> shares_;

@@ -18,31 +18,45 @@ struct ListPair {
   std::int32_t i, j;
 };
 
-/// Pairs while they are being found: blocks that are never moved, since a vector that grows needs
-/// up to three times the memory of its pairs.
+/// Pairs while they are being found, segment after segment: four bytes a pair, in blocks that are
+/// never moved, since a vector that grows needs up to three times the memory of its pairs.
 class FoundPairs {
  public:
   FoundPairs() = default;
   explicit FoundPairs(std::span<const ListPair> pairs) {
-    for (const ListPair& p : pairs) push_back(p);
+    for (const ListPair& p : pairs) add(p.i, p.j, true);
   }
 
-  void push_back(const ListPair& pair) {
+  /// A pair of the segments `i` and `j`; `inOrder`: i comes first.
+  void add(std::int32_t i, std::int32_t j, bool inOrder) {
+    if (finders_.empty() || finders_.back().i != i) finders_.push_back({i, count_});
     if (count_ % blockSize == 0)
-      blocks_.push_back(std::make_unique_for_overwrite<ListPair[]>(blockSize));
-    blocks_.back()[count_++ % blockSize] = pair;
+      blocks_.push_back(std::make_unique_for_overwrite<std::int32_t[]>(blockSize));
+    blocks_.back()[count_++ % blockSize] = inOrder ? j : ~j;
   }
 
   template <class Visit>
   void forEach(const Visit& visit) const {
-    for (std::size_t b = 0; b < blocks_.size(); ++b)
-      for (std::size_t k = 0; k < std::min(blockSize, count_ - b * blockSize); ++k)
-        visit(blocks_[b][k]);
+    for (std::size_t f = 0; f < finders_.size(); ++f) {
+      const std::int32_t i = finders_[f].i;
+      const std::size_t end = f + 1 < finders_.size() ? finders_[f + 1].begin : count_;
+      for (std::size_t k = finders_[f].begin; k < end; ++k) {
+        const std::int32_t j = blocks_[k / blockSize][k % blockSize];
+        visit(j >= 0 ? ListPair{i, j} : ListPair{~j, i});
+      }
+    }
   }
 
  private:
-  static constexpr std::size_t blockSize = 1 << 14;
-  std::vector<std::unique_ptr<ListPair[]>> blocks_;
+  /// A segment, and which of the pairs is its first.
+  struct Finder {
+    std::int32_t i;
+    std::size_t begin;
+  };
+
+  static constexpr std::size_t blockSize = 1 << 15;
+  std::vector<std::unique_ptr<std::int32_t[]>> blocks_;
+  std::vector<Finder> finders_;
   std::size_t count_ = 0;
 };
 
@@ -55,7 +69,6 @@ class PairRuns {
 
   /// Makes runs of pairs whose indices are below `segments`, partners in the order of `pairs`.
   void set(const FoundPairs& pairs, int segments);
-  void clear() { *this = {}; }
 
   std::size_t runs() const { return first_.size(); }
   Run run(std::size_t k) const {
