@@ -137,7 +137,7 @@ void Simulation::measureBox() {
   drive.note(state, system_.forces,
              boxStress(state, system_.domain, system_.forces, drive.volume(state.box),
                        parts_->plan->units),
-             system_.accounts.external);
+             parts_->stepper->dt(), system_.accounts.external);
 }
 
 void Simulation::agreeAndPrepare(const DriftReport& drift) {

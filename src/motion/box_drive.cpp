@@ -12,6 +12,7 @@ namespace {
 
 constexpr const char* names[6] = {"x", "y", "z", "xy", "xz", "yz"};
 constexpr const char* topic = "Periodic box";
+constexpr const char* servoName = "deform_servo";
 
 }  // namespace
 
@@ -99,8 +100,10 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
   thickness_ = ofStress.real("deform_thickness", 0.0, units.length,
                              "of a sheet, for stresses; 0: that of the box", nonNegative);
   OptionSection servo(options, topic, driven, "no direction is driven to a stress");
-  modulus_ = servo.real("deform_modulus", 10.0, "GPa",
-                        "the servo strains by the missing stress over this", positive);
+  servo_.modulus = servo.real("deform_modulus", 10.0, "GPa",
+                              "the servo strains by the missing stress over this, or over the "
+                              "stiffness where it overshoots",
+                              positive);
   const auto relaxes = servo.maybeReal("deform_time", "2000", units.time, "in this time", positive);
   const auto most = servo.maybeReal("deform_most_rate", "1e-05", perTime.c_str(),
                                     "but no faster than this", positive);
@@ -108,8 +111,8 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
   if (driven && units.name != "nano" && !(relaxes && most))
     throw InputError("-deform_time, -deform_most_rate: must be given with -units " + units.name +
                      ", where a direction is driven to a stress");
-  relaxes_ = relaxes.value_or(2000.0);
-  most_ = most.value_or(1e-5);
+  servo_.time = relaxes.value_or(2000.0);
+  servo_.mostRate = most.value_or(1e-5);
 }
 
 const char* BoxDrive::shears() const {
@@ -148,6 +151,30 @@ void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
     since_[d] = numbers[6 + d];
     if (axes_[d].mode == stress) axes_[d].rate = numbers[9 + d];
   }
+  attachServos(record);
+}
+
+bool BoxDrive::servoed() const {
+  return std::ranges::any_of(axes_, [](const Axis& axis) { return axis.mode == stress; });
+}
+
+void BoxDrive::attachServos(const RunRecord& record) {
+  // A direction may be driven since the restart only.
+  if (!servoed() || !record.reals.contains(servoName)) return;
+  const std::size_t each = BoxServo::Numbers{}.size();
+  const auto& numbers = record.needReals(servoName, axes_.size() * each);
+  for (std::size_t d = 0; d < axes_.size(); ++d) {
+    BoxServo::Numbers own;
+    std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(d * each), each, own.begin());
+    axes_[d].servo.set(own);
+  }
+}
+
+void BoxDrive::saveServos(RunRecord& record) const {
+  if (!servoed()) return;
+  auto& numbers = record.reals[servoName];
+  for (const Axis& axis : axes_)
+    for (const double number : axis.servo.numbers()) numbers.push_back(number);
 }
 
 void BoxDrive::attachShear(const Box& box, const RunRecord& record, bool restart) {
@@ -176,6 +203,7 @@ void BoxDrive::save(RunRecord& record) const {
     numbers.insert(numbers.end(), part->begin(), part->end());
   for (std::size_t d = 0; d < 3; ++d)
     numbers.push_back(axes_[d].mode == stress ? axes_[d].rate : 0.0);
+  saveServos(record);
   if (sheared_ == none) return;
   const Axis& axis = axes_[sheared_];
   record.reals["deform_shear"] = {shear_, shearStart_, shearStress_, shearSince_,
@@ -288,21 +316,25 @@ void BoxDrive::strainVelocities(State& state) const {
 }
 
 void BoxDrive::note(const State& state, const ForceField& forces,
-                    const std::array<double, 9>& stress, ExactSum& external) {
+                    const std::array<double, 9>& stress, double dt, ExactSum& external) {
   // Steps have booked the stress at the last measurement; the mean of both is right to second
   // order.
   double work = 0;
   const double volumeNow = volume(state.box), volumeThen = measuredVolume(state.box);
-  auto see = [&](Axis& axis, double now, double& then, double& since) {
+  servo_.interval = static_cast<double>(interval_) * dt;
+  // Rates are those of a strain that is `scale` times the one since then.
+  auto see = [&](Axis& axis, double now, double& then, double& since, double scale) {
     work += 0.5 * unit_ * (volumeNow * now - volumeThen * then) * since;
+    if (axis.mode == BoxDrive::stress)
+      axis.rate = axis.servo.rate(servo_, {axis.target - then, axis.target - now, scale * since});
     then = now;
     since = 0;
-    if (axis.mode == BoxDrive::stress)
-      axis.rate = std::clamp((axis.target - now) / (modulus_ * relaxes_), -most_, most_);
   };
-  for (std::size_t d = 0; d < 3; ++d) see(axes_[d], stress[d], stress_[d], since_[d]);
+  for (std::size_t d = 0; d < 3; ++d)
+    see(axes_[d], stress[d], stress_[d], since_[d],
+        state.box.length(static_cast<int>(d)) / start_[d]);
   // Force along the one axis through the face across the other.
-  if (sheared_ != none) see(axes_[sheared_], stress[3 + sheared_], shearStress_, shearSince_);
+  if (sheared_ != none) see(axes_[sheared_], stress[3 + sheared_], shearStress_, shearSince_, 1.0);
   if (state.rank() == 0) external.add(work, forces.energyUnit());
 }
 

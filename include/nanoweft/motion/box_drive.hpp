@@ -14,6 +14,7 @@
 #include "nanoweft/base/options.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/force/force_field.hpp"
+#include "nanoweft/motion/box_servo.hpp"
 #include "nanoweft/motion/strain_program.hpp"
 #include "nanoweft/state/state_file.hpp"
 
@@ -40,8 +41,9 @@ class BoxDrive {
   /// Takes the velocities along, once the segments have drifted.
   void strainVelocities(State& state) const;
   /// Takes note of the stress (that of `boxStress`), which sets the rates of driven directions.
+  /// `dt`: of the steps.
   void note(const State& state, const ForceField& forces, const std::array<double, 9>& stress,
-            ExactSum& external);
+            double dt, ExactSum& external);
 
   /// Strain of each direction since the start.
   std::array<double, 3> strains(const Box& box) const;
@@ -60,6 +62,7 @@ class BoxDrive {
     double target = 0;  ///< stress, GPa
     double until = 0;   ///< strain at which it stops; 0: it does not
     std::optional<StrainProgram> legs;
+    BoxServo servo;
 
     /// `least`: smallest strain.
     void read(Options& options, const UnitSystem& units, const std::string& name, double least);
@@ -71,6 +74,9 @@ class BoxDrive {
   };
 
   void attachShear(const Box& box, const RunRecord& record, bool restart);
+  bool servoed() const;
+  void attachServos(const RunRecord& record);
+  void saveServos(RunRecord& record) const;
   /// Volume when the stress was last measured.
   double measuredVolume(const Box& box) const;
   /// Strain along the three axes, and by shear; both return the work.
@@ -84,7 +90,8 @@ class BoxDrive {
   std::array<Axis, 6> axes_;    ///< x, y, z, xy, xz, yz
   std::size_t sheared_ = none;  ///< place of the one shear that is not held
   long interval_ = 20;
-  double ramp_ = 0, thickness_ = 0, modulus_ = 0, relaxes_ = 0, most_ = 0;
+  double ramp_ = 0, thickness_ = 0;
+  BoxServo::Law servo_;
   std::array<double, 3> start_{};            ///< lengths of the box at the start
   std::array<double, 3> stress_{};           ///< when last measured, GPa
   std::array<double, 3> since_{};            ///< logarithmic strain since then
