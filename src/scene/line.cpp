@@ -26,6 +26,59 @@ Quatd leastTurn(const Vec3d& from, const Vec3d& to) {
   return rotation((sine > 1e-300 ? angle / sine : 1.0) * axis);
 }
 
+/// A direction as far on the other side of a chord.
+Vec3d mirrored(const Vec3d& direction, const Vec3d& chord) {
+  return 2.0 * dot(direction, chord) * chord - direction;
+}
+
+/// Directions of the bonds.
+std::vector<Vec3d> chordsOf(const Line& line) {
+  const auto& p = line.points;
+  std::vector<Vec3d> chords;
+  for (std::size_t k = 0; k + 1 < p.size(); ++k) chords.push_back(unitVector(p[k + 1] - p[k]));
+  if (line.closed) chords.push_back(unitVector(p.front() - p.back() + line.round));
+  return chords;
+}
+
+/// Directions near the given ones between each two of which their chord lies midway, as in bonds
+/// that are at rest once each end has turned by half of the rest rotation. The first direction
+/// determines all by reflections; that one is taken which leads nearest to the given ones. In a
+/// closed line the last may lead past the first; that is shared by all bonds.
+std::vector<Vec3d> midwayDirections(const Line& line, const std::vector<Vec3d>& given) {
+  const std::vector<Vec3d> chords = chordsOf(line);
+  const std::size_t n = given.size();
+  Vec3d first = given.back();
+  for (std::size_t k = n - 1; k-- > 0;) first = given[k] + mirrored(first, chords[k]);
+  first = unitVector(first);
+  Vec3d around = first;
+  if (line.closed) {
+    for (const Vec3d& chord : chords) around = mirrored(around, chord);
+    around = first = unitVector(first + around);
+    for (std::size_t k = n; k-- > 0;) around = mirrored(around, chords[k]);
+  }
+  std::vector<Vec3d> directions;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(n);
+    directions.push_back(unitVector(first + share * (around - first)));
+    if (k == chords.size()) break;
+    first = mirrored(first, chords[k]);
+    around = mirrored(around, chords[k]);
+  }
+  return directions;
+}
+
+/// Directions of fibres that are at rest as they lie: midway ones, unless they stray from the
+/// segments' by more than these turn from one to the next, as they do on lines with kinks.
+std::vector<Vec3d> restDirections(const Line& line) {
+  const std::vector<Vec3d> given = directionsOf(line), midway = midwayDirections(line, given);
+  double strays = 0, turns = 0;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    strays = std::max(strays, norm(midway[k] - given[k]));
+    if (k > 0) turns = std::max(turns, norm(given[k] - given[k - 1]));
+  }
+  return strays > turns ? given : midway;
+}
+
 /// The rotations from each segment to the next as they are.
 std::vector<Vec3d> restOf(const FibreGeometry& g) {
   std::vector<Vec3d> rest(g.orientation.size(), Vec3d{0, 0, 0});
@@ -87,16 +140,13 @@ std::vector<Vec3d> directionsOf(const Line& line) {
     return t;
   }
   // End segments lean against their chord as their neighbours do: bending without shear.
-  auto mirrored = [](const Vec3d& e, const Vec3d& chord) {
-    return unitVector(2.0 * dot(e, chord) * chord - e);
-  };
-  t[0] = mirrored(t[1], unitVector(p[1] - p[0]));
-  t[n - 1] = mirrored(t[n - 2], unitVector(p[n - 1] - p[n - 2]));
+  t[0] = unitVector(mirrored(t[1], unitVector(p[1] - p[0])));
+  t[n - 1] = unitVector(mirrored(t[n - 2], unitVector(p[n - 1] - p[n - 2])));
   return t;
 }
 
 FibreGeometry geometryOf(Line line, bool shaped) {
-  const std::vector<Vec3d> t = directionsOf(line);
+  const std::vector<Vec3d> t = shaped ? restDirections(line) : directionsOf(line);
   FibreGeometry g;
   g.closed = line.closed;
   g.position = std::move(line.points);

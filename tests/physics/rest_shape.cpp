@@ -125,5 +125,28 @@ TEST(RestShape, AWovenShapeAtRestHasNoBendingAndKeepsItsCrimp) {
   EXPECT_LT(energies.at("torsion")[0], 1e-15);
 }
 
+TEST(RestShape, TowsWovenAtRestHaveNoEnergyInTheirBonds) {
+  struct {
+    const char* options;
+    double stretch;
+  } const cases[] = {{"-weave_filaments 4,1", 1e-12},
+                     {"-weave_filaments 4,2", 1e-12},
+                     {"-weave_pattern twill", 1e-12},
+                     // Chords of a periodic tow are what is left of its period.
+                     {"-weave_filaments 4,1 -weave_periodic", 0.02}};
+  for (const auto& [options, stretch] : cases) {
+    const Folder folder;
+    const auto outcome = run(folder, std::string("-weave_fibres 4,4 -weave_segments 72 -pair none "
+                                                 "-weave_rest shaped -ts_max_steps 0 "
+                                                 "-energy_monitor ascii:e.csv ") +
+                                         options);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto energies = readCsv(folder / "e.csv");
+    EXPECT_LT(energies.at("stretch")[0], stretch) << options;
+    for (const char* part : {"shear", "bending", "torsion"})
+      EXPECT_LT(energies.at(part)[0], 1e-12) << part << " " << options;
+  }
+}
+
 }  // namespace
 }  // namespace nanoweft::test
