@@ -38,7 +38,7 @@ std::vector<Vec3d> directionsOf(const Line& line);
 
 /// Poses along a line. Frames turn from one segment to the next as the axis does, without twist; a
 /// closed fibre has the twist that its shape asks for, the same on each bond. `shaped`: bonds are
-/// at rest as they lie.
+/// at rest as they lie, for which directions are a little different (model.md 10).
 FibreGeometry geometryOf(Line line, bool shaped);
 
 /// The curve that runs beside `axis` at the places `offset(u)` across it, in the frame into which
