@@ -8,7 +8,7 @@ namespace nanoweft {
 namespace {
 
 /// What is left of the sums after another interval.
-constexpr double kept = 15.0 / 16.0;
+constexpr double kept = 7.0 / 8.0;
 /// By which the viscosity falls at each measurement while the stress stays on one side.
 constexpr double eased = 15.0 / 16.0;
 /// Share of the squared rises of the stress that the strain must explain.
