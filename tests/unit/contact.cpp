@@ -225,6 +225,25 @@ TEST(Contact, FibresSlideAlongEachOtherWithoutCorrugation) {
   }
 }
 
+TEST(Contact, AxesThatMeetAreNotThrownApart) {
+  const ContactLaw law = lawOf(0, 0);
+  const double T = segment[0],
+               most = 10 * (law.crossedForce(law.touch()) + law.lineStiffness() * T);
+  Random random;
+  std::uniform_real_distribution<double> place(-T, T);
+  for (const double apart : {0.0, 1e-12, 1e-9, 1e-8, 1e-7, 1e-6, 1e-4})
+    for (int k = 0; k < 50; ++k) {
+      const Vec3d ei = axis1(random.orientation()),
+                  ej = k % 10 == 0 ? ei : axis1(random.orientation()),
+                  n = axis2(random.orientation());
+      const Vec3d r = place(random.engine) * ei - place(random.engine) * ej + apart * n;
+      const auto contact = law(r, ei, ej, FreeEnds<double>{1, 1}, FreeEnds<double>{0, 1});
+      EXPECT_LT(norm(contact.force), most) << apart;
+      EXPECT_LT(norm(contact.torqueI), 2 * T * most) << apart;
+      EXPECT_LT(norm(contact.torqueJ), 2 * T * most) << apart;
+    }
+}
+
 TEST(Contact, LanesGiveWhatSinglePairsGive) {
   const auto force = forceOf(0, 0);
   std::mt19937 random(3);

@@ -203,7 +203,7 @@ class ContactLaw {
     const auto& [r2, a, b, c] = x;
     const V safe = larger(sine, V(0.2)), perSine2 = 1.0 / (safe * safe);
     const V s = (a - c * b) * perSine2, t = (c * a - b) * perSine2;
-    const V rho = root(larger(V(r2 - s * a + t * b), V(1e-30)));
+    const V rho = root(larger(V(r2 - s * a + t * b), V(nearest2())));
     const V overlap = larger(V(touch_ - rho), V(0.0));
     const V slope = (2.5 * crossed_) * overlap * root(V(overlap / safe)), v = 0.4 * overlap * slope;
     const Step<V> pi = share(V(s * (1.0 / length_.i)), endsI),
@@ -231,7 +231,7 @@ class ContactLaw {
     for (int n = 0; n < points_; ++n) {
       const double u = ((n + 0.5) / points_ - 0.5) * own;
       const V place = u * x.c - alongOther;
-      const V rho = root(larger(V(x.r2 + u * (u - 2.0 * alongOwn) - place * place), V(1e-30)));
+      const V rho = root(larger(V(x.r2 + u * (u - 2.0 * alongOwn) - place * place), V(nearest2())));
       const V overlap = larger(V(touch_ - rho), V(0.0));
       const Step<V> p = share(V(place * (1.0 / other)), ends);
       const V w = (weight * line_) * overlap * overlap;
@@ -246,6 +246,11 @@ class ContactLaw {
     slopes.a += ofI ? forOwn : V(-forOther);
     slopes.b += ofI ? forOther : V(-forOwn);
   }
+
+  /// The least rho^2. It is a difference of squares of the segments' lengths, so near zero it is
+  /// all round-off, and the force r + t e_j - s e_i over rho would be too. Below, the force fades
+  /// out.
+  double nearest2() const { return 1e-8 * touch_ * touch_; }
 
   double touch_;
   Both<double> length_;
