@@ -317,7 +317,8 @@ void RunParts::chooseStep() {
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
                "that (or -ts_dt_unsafe)",
                dt, limits.present, plan->units.time));
-  stepper = settings.stepper->make(plan->kinds, {dt, settings.damping, settings.thermostat});
+  stepper = settings.stepper->make(
+      plan->kinds, {dt, settings.damping, settings.thermostat, settings.fireMaxMove});
   if (!plan->checkpoint) return;
   stepper->restore(plan->checkpoint->run);
   if (!plan->stepIsNew) return;

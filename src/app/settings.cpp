@@ -47,6 +47,10 @@ void readRelaxation(Options& options, const UnitSystem& units, RunSettings& r) {
                            "end when no segment feels a larger force, or torque over segment "
                            "length, that nothing balances; 0: do not",
                            nonNegative);
+  OptionSection fire(options, "Run", r.stepper->minimises, "-relax_method is not fire");
+  r.fireMaxMove = fire.maybeReal(
+      "fire_max_move", "0.1 of the least diameter or segment", units.length,
+      "the most that a point of a segment's surface may move in a step of FIRE", positive);
   OptionSection relax =
       OptionSection(options, "Run", r.relaxTolerance > 0, "-relax_tolerance is not set")
           .as(Role::run);

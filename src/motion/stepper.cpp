@@ -13,7 +13,7 @@ const std::vector<StepperKind>& stepperKinds() {
        }},
       {"fire", "FIRE", true,
        [](const Kinds& kinds, const StepperSettings& s) -> std::unique_ptr<Stepper> {
-         return std::make_unique<Fire>(kinds, s.dt);
+         return std::make_unique<Fire>(kinds, s.dt, s.farthest);
        }},
   };
   return kinds;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 
 #include "middle/tubes.hpp"
 #include "nanoweft/base/error.hpp"
@@ -17,13 +18,16 @@ const StepperKind& kindOf(const std::string& name) {
   return *std::ranges::find(stepperKinds(), name, &StepperKind::name);
 }
 
-/// Makes steps as a run does, and ends with one that is seen.
-void go(Tubes& tubes, Stepper& stepper, int steps, bool seen) {
+/// Makes steps as a run does, and ends with one that is seen. `moved`: to do after each motion.
+void go(
+    Tubes& tubes, Stepper& stepper, int steps, bool seen,
+    const std::function<void()>& moved = [] {}) {
   System system = tubes.system();
   ForceRequest request;
   request.complete = false;
   for (int k = 1; k <= steps; ++k) {
     const DriftReport drift = stepper.move(system);
+    moved();
     int stale = drift.stale;
     MPI_Allreduce(MPI_IN_PLACE, &stale, 1, MPI_INT, MPI_MAX, tubes.state.comm());
     if (stale) tubes.forces->refresh(tubes.state, tubes.domain);
@@ -95,6 +99,45 @@ TEST(Fire, TakesNoLongerStepThanItMay) {
   // A limit never widens what there is.
   stepper->limit(30);
   EXPECT_EQ(stepper->longest(), 3);
+}
+
+/// The farthest that a point of a segment moves in a step of FIRE, on all ranks; one starts fast.
+double farthestMove(std::optional<double> bound) {
+  Tubes tubes;
+  const auto stepper = kindOf("fire").make(tubes.fibre, {20, 0.0, {}, bound});
+  tubes.evaluate();
+  const State& s = tubes.state;
+  s.velocity[1] = 0.02;  // A/fs
+  double farthest = 0;
+  go(tubes, *stepper, 200, false, [&] {
+    for (int i = 0; i < s.owned(); ++i) {
+      const double *v = s.velocity + 3 * i, *w = s.angular + 3 * i;
+      const double point =
+          std::hypot(v[0], v[1], v[2]) + 0.5 * tubes.fibre.length * std::hypot(w[0], w[1], w[2]);
+      farthest = std::max(farthest, stepper->dt() * point);
+    }
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, s.comm());
+  return farthest;
+}
+
+TEST(Fire, MovesNoPointFartherThanItMay) {
+  EXPECT_GT(farthestMove({}), 0.02);
+  for (const double bound : {0.02, 0.001}) {
+    const double found = farthestMove(bound);
+    EXPECT_LE(found, bound * (1 + 1e-9));
+    EXPECT_GT(found, 0.2 * bound);
+  }
+}
+
+TEST(Fire, KeepsTheBooksOfItsEnergyWhereItIsBraked) {
+  Tubes tubes;
+  const auto stepper = kindOf("fire").make(tubes.fibre, {5, 0.0, {}, 0.002});
+  const Energies first = energiesOf(tubes);
+  go(tubes, *stepper, 200, false);
+  const Energies last = energiesOf(tubes);
+  EXPECT_LT(last.total(), first.total());
+  EXPECT_NEAR(last.balance(), first.balance(), 0.02 * last.damped);
 }
 
 TEST(Fire, GoesOnFromItsRecordAsIfNothingHadBeen) {

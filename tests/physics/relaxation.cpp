@@ -160,5 +160,24 @@ TEST(Fire, TwoEndlessTubesFindTheirDistance) {
   EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2.0, 0.35);
 }
 
+TEST(Fire, AFibreThatFallsFarComesToRestOnOthers) {
+  // The loads of 0.5 eV/A on each of ten segments are at work over 8000 A.
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({-70, -40, 0}, {1, 0, 0}, 11),
+                                straightFibre({-70, 40, 0}, {1, 0, 0}, 11),
+                                straightFibre({0, -61, 8000}, {0, 1, 0}, 10)});
+  const std::string options =
+      "-scene file -scene_file in.h5 -pair contact -contact_modulus 20 -relax_method fire "
+      "-relax_force 1e-6 -ts_max_steps 30000 -overwrite -group_monitor ascii:groups.csv "
+      "-bc hold,load -hold_region -99,-99,-9,99,99,9 -hold_fix 1,1,1 -hold_fix_rotation "
+      "-load_region -99,-99,7000,99,99,9000 -load_fix 1,1,0 -load_force 0,0,-0.5";
+  const auto braked = run(folder, options);
+  ASSERT_EQ(braked.status, 0) << braked.output;
+  EXPECT_NE(braked.output.find("converged: no force"), std::string::npos) << braked.output;
+  EXPECT_NEAR(readCsv(folder / "groups.csv").at("hold_force_z").back(), 5.0, 1e-4);
+  // Without a limit it would be too fast to be stopped.
+  EXPECT_EQ(run(folder, options + " -fire_max_move 1000").status, 1);
+}
+
 }  // namespace
 }  // namespace nanoweft::test

@@ -25,6 +25,7 @@ struct RunSettings {
   double relaxTolerance = 0;             ///< 0: does not end the run
   double relaxForce = 0;                 ///< 0: does not end the run
   long relaxInterval = 5000;
+  std::optional<double> fireMaxMove;
 
   double damping = 0;
   ViscousDamping viscous;

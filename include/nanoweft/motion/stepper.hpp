@@ -53,6 +53,7 @@ struct StepperSettings {
   double dt;                  ///< the step, or the longest where it adapts
   double localDamping = 0.0;  ///< c of F -> F - c|F| sign(v)
   std::optional<Thermostat> thermostat{};
+  std::optional<double> farthest{};  ///< that FIRE moves a point in a step
 };
 
 /// A value of -relax_method.
