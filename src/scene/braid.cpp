@@ -108,8 +108,13 @@ std::unique_ptr<Scene> makeBraidScene(Options& options, const SceneContext& cont
   laying.line = [=](std::int64_t f) {
     return Line{walk(fibre(f, scale), mix->fibre(f).length, mix->segments(f, segments))};
   };
-  laying.also = format("%d strands of %d, lay %.5g %s, %.4g %s wide", strands, filaments, braid.lay,
-                       unit, 2.0 * scale * braid.wide + thick, unit);
+  const Line first = laying.line(0);
+  const double wide = 2.0 * scale * braid.wide + thick, high = 2.0 * scale * braid.high + thick,
+               section = braid.flat() ? wide * high : tubeSection(scale * braid.wide, high);
+  laying.space = section * (first.points.back().x - first.points.front().x + mix->fibre(0).length);
+  laying.also = format("both in the %s, %d strands of %d, lay %.5g %s, %.4g %s wide",
+                       braid.flat() ? "flat bar around it" : "tube that it lies in", strands,
+                       filaments, braid.lay, unit, wide, unit);
   laying.shaped = shaped;
   return layScene(context, std::move(laying));
 }

@@ -50,8 +50,11 @@ std::unique_ptr<Scene> makeHelixScene(Options& options, const SceneContext& cont
         format("-helix_radius %g, -helix_pitch %g: the wires come as near as %.2f of "
                "the gap of %g %s",
                radius, pitch, found, mix->widest(), unit));
-  laying.also = format("%d segments each, %.4g turns, height %.5g %s", segments,
-                       mix->length(segments) / turn, mix->length(segments) / turn * pitch, unit);
+  const double height = mix->length(segments) / turn * pitch, thick = mix->widest();
+  laying.space = tubeSection(radius, thick) * height;
+  laying.also =
+      format("both in the tube that the wires lie in, %d segments each, %.4g turns, height %.5g %s",
+             segments, mix->length(segments) / turn, height, unit);
   laying.shaped = shaped;
   return layScene(context, std::move(laying));
 }

@@ -39,6 +39,17 @@ double loopOf(double radius, double apart) {
   return 2.0 * radius * (2.0 * turn + 0.5 * pi);
 }
 
+/// Of the plane strip as wide as the gap along the fibre and what it encloses.
+double areaWithin(const Line& line, double gap, double length) {
+  double twice = 0;
+  Vec3d last = line.points.back();
+  for (const Vec3d& x : line.points) {
+    twice += cross(last, x).z;
+    last = x;
+  }
+  return 0.5 * (std::abs(twice) + gap * length);
+}
+
 }  // namespace
 
 std::unique_ptr<Scene> makeRacketScene(Options& options, const SceneContext& context,
@@ -69,9 +80,12 @@ std::unique_ptr<Scene> makeRacketScene(Options& options, const SceneContext& con
   laying.line = [curve = racketCurve(low, gap), segments, T = mix->fibre(0).length](std::int64_t) {
     return Line{walk(curve, T, segments)};
   };
-  laying.also = format("loop of %.5g %s, radius %.5g %s, handle of two arms of %.5g %s", loop,
-                       context.units.length, low, context.units.length, 0.5 * (length - loop),
-                       context.units.length);
+  laying.space = gap * areaWithin(laying.line(0), gap, length);
+  laying.also = format(
+      "both in the plate within its outline, loop of %.5g %s, radius %.5g %s, handle of two arms "
+      "of %.5g %s",
+      loop, context.units.length, low, context.units.length, 0.5 * (length - loop),
+      context.units.length);
   laying.shaped = shaped;
   return layScene(context, std::move(laying));
 }

@@ -82,6 +82,11 @@ class WeaveScene final : public Scene {
         amplitude_(0.5 * p.gap),
         longest_(std::max(context.kinds[p.kindX].length, context.kinds[p.kindY].length)),
         unit_(context.units.length) {
+    auto volume = [&](int kind, int fibres) {
+      const Fibre& f = context.kinds[kind];
+      return pi * f.radius * f.radius * f.length * p.segments * fibres;
+    };
+    volume_ = volume(p.kindX, p.alongX) + volume(p.kindY, p.alongY);
     x_ = family(p.alongY, context.kinds[p.kindX].length, "x");
     y_ = family(p.alongX, context.kinds[p.kindY].length, "y");
   }
@@ -107,6 +112,16 @@ class WeaveScene final : public Scene {
     return {0, pi, 0};
   }
   bool shapesRest() const override { return p_.shaped; }
+  std::string packing() const override {
+    // As of the other patterns: the area that the crossings take, times the thickness.
+    const double thickness = 4.0 * amplitude_,
+                 space = x_.crossings * x_.pitch * y_.crossings * y_.pitch * thickness;
+    return format(
+        "scene weave: %d fibres, volume fraction %.4g, %.4g fibres a %s^3, pitch "
+        "%.5g,%.5g %s, thickness %.5g %s",
+        p_.alongX + p_.alongY, volume_ / space, (p_.alongX + p_.alongY) / space, unit_, x_.pitch,
+        y_.pitch, unit_, thickness, unit_);
+  }
   void fill(State& state) const override {
     fillFibres(state, p_.alongX + p_.alongY, p_.segments, [&](std::int64_t f) {
       const bool alongX = f < p_.alongX;
@@ -222,7 +237,7 @@ class WeaveScene final : public Scene {
   }
 
   WeaveParameters p_;
-  double amplitude_, longest_;
+  double amplitude_, longest_, volume_;
   const char* unit_;
   Family x_, y_;
 };

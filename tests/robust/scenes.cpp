@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <regex>
+#include <string>
 
 #include "support/expect.hpp"
 #include "support/program.hpp"
@@ -153,6 +156,11 @@ const std::vector<Case> cases = {
      {"4 fibres", "loops 162.72 A wide"},
      {},
      4},
+    {"PlainWeave",
+     "-scene weave -weave_fibres 6,6 -weave_segments 40",
+     {"scene weave: 12 fibres, volume fraction 0.", "thickness 34.687 A"},
+     {},
+     12},
     {"Twill",
      "-scene weave -weave_fibres 6,6 -weave_segments 40 -weave_pattern twill -weave_float 2,1",
      {"12 fibres", "pitch"},
@@ -207,6 +215,85 @@ TEST(Scenes, AFilmFillsTheFractionAskedFor) {
   EXPECT_NEAR(volume / (500.0 * 500.0 * (top + 2.0 * radius)), 0.1, 0.002);
 }
 
+/// A scene of (10,10) tubes, and the volume fraction that the header says.
+struct Stated {
+  Laid laid;
+  double fraction, volume;
+
+  explicit Stated(const std::string& options) {
+    const Folder folder;
+    const Outcome outcome = run(folder, options + " -ts_max_steps 0 -state_output out.h5");
+    expectDone(outcome);
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(outcome.output, found, std::regex("volume fraction ([-.e0-9]+)")))
+        << outcome.output;
+    fraction = std::stod(found[1]);
+    laid = read(folder / "out.h5", {});
+    volume = std::numbers::pi * radius * radius * T * static_cast<double>(laid.x.size());
+  }
+  /// The least and the largest of a function of the places.
+  std::array<double, 2> range(const std::function<double(const Vec3d&)>& of) const {
+    std::array<double, 2> found{1e9, -1e9};
+    for (const Vec3d& x : laid.x) found = {std::min(found[0], of(x)), std::max(found[1], of(x))};
+    return found;
+  }
+  double span(double Vec3d::*along) const {
+    const auto [least, most] = range([=](const Vec3d& x) { return x.*along; });
+    return most - least;
+  }
+};
+
+double fromAxis(const Vec3d& x) {
+  return std::hypot(x.y, x.z);
+}
+
+double ringArea(double inner, double outer) {
+  return std::numbers::pi * (outer * outer - inner * inner);
+}
+
+TEST(Scenes, APlainWeaveFillsAFractionOfItsAreaTimesItsThickness) {
+  const Stated weave("-scene weave -weave_fibres 6,6 -weave_segments 80 -weave_pitch 160");
+  const double height = weave.span(&Vec3d::z) + rest;
+  EXPECT_NEAR(weave.volume / (960.0 * 960.0 * height) / weave.fraction, 1, 0.005);
+}
+
+TEST(Scenes, SpringsAndHollowBraidsFillAFractionOfATube) {
+  for (const char* options : {"-scene helix -helix_segments 400 -helix_fibres 2",
+                              "-scene braid -braid_strands 8 -braid_segments 200"}) {
+    const Stated tube(options);
+    const auto [least, most] = tube.range(fromAxis);
+    const double section = ringArea(least - 0.5 * rest, most + 0.5 * rest);
+    EXPECT_NEAR(tube.volume / (section * tube.span(&Vec3d::x)) / tube.fraction, 1, 0.02) << options;
+  }
+}
+
+TEST(Scenes, AFlatBraidFillsAFractionOfABar) {
+  const Stated bar("-scene braid -braid_strands 5 -braid_segments 400");
+  const double section = (bar.span(&Vec3d::y) + rest) * (bar.span(&Vec3d::z) + rest);
+  EXPECT_NEAR(bar.volume / (section * bar.span(&Vec3d::x)) / bar.fraction, 1, 0.02);
+}
+
+TEST(Scenes, ARacketFillsAFractionOfThePlateWithinItsOutline) {
+  const Stated racket("-scene racket -racket_segments 200");
+  const auto& x = racket.laid.x;
+  // Cells of the plane that are enclosed, or no farther than half a gap from the axis.
+  const double cell = 4;
+  int cells = 0;
+  for (double u = -1500; u < 1500; u += cell)
+    for (double v = -500; v < 500; v += cell) {
+      bool inside = false;
+      double nearest = 1e9;
+      for (std::size_t k = 0, last = x.size() - 1; k < x.size(); last = k++) {
+        if ((x[k].y > v) != (x[last].y > v) &&
+            u < x[k].x + (v - x[k].y) * (x[last].x - x[k].x) / (x[last].y - x[k].y))
+          inside = !inside;
+        nearest = std::min(nearest, std::hypot(u - x[k].x, v - x[k].y));
+      }
+      cells += inside || nearest < 0.5 * rest;
+    }
+  EXPECT_NEAR(racket.volume / (cells * cell * cell * rest) / racket.fraction, 1, 0.03);
+}
+
 TEST(Scenes, KindsHaveTheirSharesOfTheFibres) {
   const Folder folder;
   expectDone(run(folder,
@@ -244,9 +331,11 @@ TEST(Scenes, AFibreFollowsThePointsOfATextFile) {
         std::to_string(20 * std::cos(angle)) + " " + std::to_string(20 * std::sin(angle)) + " 0\n";
   }
   writeText(folder / "in.txt", text + "\n0 0 5\n# on\n10 0 5\n20 0 5\n");
-  expectDone(
+  const Outcome outcome =
       run(folder,
-          "-scene text -text_file in.txt -text_scale 10 -ts_max_steps 0 -state_output out.h5", 3));
+          "-scene text -text_file in.txt -text_scale 10 -ts_max_steps 0 -state_output out.h5", 3);
+  expectDone(outcome);
+  EXPECT_TRUE(says(outcome, "scene text: 2 fibres, from")) << "a file states no space";
   const Laid s = read(folder / "out.h5", {});
   ASSERT_EQ(s.fibre.back(), 1);
   std::size_t onCircle = 0;

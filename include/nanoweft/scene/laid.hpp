@@ -1,8 +1,10 @@
 /// Scenes that lay fibres along centre lines, and what their options have in common.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -77,6 +79,13 @@ struct Laying {
 /// Lays each fibre on the rank that owns it at the start. Throws InputError for more than 2^31 - 1
 /// segments. Collective.
 std::unique_ptr<Scene> layScene(const SceneContext& context, Laying laying);
+
+/// Section of a tube by the mean of its radii and the thickness of its wall, or of the cylinder
+/// where the wall leaves no hole.
+inline double tubeSection(double radius, double wall) {
+  const double inner = std::max(0.0, radius - 0.5 * wall), outer = radius + 0.5 * wall;
+  return std::numbers::pi * (outer * outer - inner * inner);
+}
 
 /// Volume of all its fibres, each a cylinder of its radius.
 double volumeOf(const Laying& laying);
