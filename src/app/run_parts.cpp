@@ -109,6 +109,9 @@ void RunParts::makeForces() {
   force.viscous = plan->settings.viscous;
   force.skin = plan->settings.skin;
   force.threads = team.asked;
+  int ranks = 1;
+  MPI_Comm_size(plan->comm, &ranks);
+  force.foresees = ranks >= plan->settings.lateFrom;
   forces = std::make_unique<ForceField>(std::move(force), plan->box);
 }
 

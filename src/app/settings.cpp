@@ -1,6 +1,7 @@
 #include "nanoweft/app/settings.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
@@ -105,6 +106,12 @@ void readPartition(Options& options, RunSettings& r) {
   r.partition.tolerance =
       parallel.real("partition_tolerance", 1.05, "",
                     "most work of a rank over the mean before the shares are made anew", {1.0});
+  const std::string agreement =
+      parallel.choice("agreement", "auto", {"auto", "at_once", "late"},
+                      "when ranks hear what others have noticed in a step: before they compute its "
+                      "forces, or while "
+                      "they do, with what can wait heard a step late; late from 128 ranks on");
+  if (agreement != "auto") r.lateFrom = agreement == "late" ? 2 : std::numeric_limits<int>::max();
   OptionSection metis =
       OptionSection(options, "Parallel", kind != "dmda", "-partition is dmda").as(Role::run);
   r.partition.piece = static_cast<int>(metis.integer(

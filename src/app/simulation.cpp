@@ -1,6 +1,7 @@
 #include "nanoweft/app/simulation.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "nanoweft/app/accounts_record.hpp"
 #include "nanoweft/app/instability.hpp"
@@ -17,8 +18,17 @@ namespace {
 /// A guess on the safe side until a checkpoint has been timed: 200 bytes at 50 MB/s.
 constexpr double secondsPerSegmentWritten = 4e-6;
 
-/// What ranks tell each other in each step, as bits; the wishes of observers follow.
-enum Notice { stale = 1, unstable = 2, broke = 4, outdated = 8, crowded = 16, firstWish = 32 };
+/// What ranks tell each other in each step, as bits; the wishes of observers follow. They concern
+/// the forces of this step, but for `staleSoon` and the wishes, which wait for the next one.
+enum Notice {
+  stale = 1,
+  unstable = 2,
+  broke = 4,
+  outdated = 8,
+  crowded = 16,
+  staleSoon = 32,
+  firstWish = 64
+};
 
 }  // namespace
 
@@ -30,6 +40,7 @@ Simulation::Simulation(std::unique_ptr<RunParts> parts)
       checkpointSeconds_(static_cast<double>(system_.state.total()) * secondsPerSegmentWritten),
       driftEvent_(logEvent("NwKickDrift")),
       kickEvent_(logEvent("NwKick")),
+      repeatEvent_(logEvent("NwRepeat")),
       recordEvent_(logEvent("NwRecord")),
       fileEvent_(logEvent("NwFiles")) {
   const RunPlan& plan = *parts_->plan;
@@ -94,15 +105,11 @@ void Simulation::step() {
     parts_->plan->boxDrive.strainVelocities(system_.state);
   }
   energies_.reset();
-  agreeAndPrepare(drift);
+  doAgreed(drift);
+  tell(drift);
   const View view = widestView();
-  ForceRequest request;
-  request.energies = view == View::energies;
-  request.complete = false;
-  request.advance = request.ahead = parts_->stepper->dt();
-  const ForceOutcome outcome =
-      system_.forces.evaluate(system_.state, system_.domain.halo(), request);
-  system_.forces.walls().finish(system_.state.comm(), system_.state.time, request.advance,
+  const ForceOutcome outcome = evaluate(view);
+  system_.forces.walls().finish(system_.state.comm(), system_.state.time, parts_->stepper->dt(),
                                 {system_.accounts.external, system_.accounts.damped});
   {
     const LogScope log(kickEvent_);
@@ -112,7 +119,7 @@ void Simulation::step() {
   if (breaks_.release(system_.state, system_.forces, system_.domain))
     system_.forces.lists().outdate();
   const LogScope log(recordEvent_);
-  note(outcome, request.energies);
+  note(outcome, view == View::energies);
   const Moment end = moment();
   for (const auto& observer : observers_) observer->observe(end);
 }
@@ -140,38 +147,92 @@ void Simulation::measureBox() {
              parts_->stepper->dt(), system_.accounts.external);
 }
 
-void Simulation::agreeAndPrepare(const DriftReport& drift) {
-  State& state = system_.state;
-  ForceField& forces = system_.forces;
-  const Moment now = moment();
-  int notices = 0;
-  if (drift.stale) notices |= stale;
-  if (drift.unstable) notices |= unstable;
-  if (breaks_.waiting()) notices |= broke;
-  if (forces.lists().outdated()) notices |= outdated;
-  if (forces.contacts().full()) notices |= crowded;
+void Simulation::doAgreed(DriftReport& drift) {
+  const int agreed = std::exchange(agreed_, 0);
   int wish = firstWish;
   for (const auto& observer : observers_) {
-    if (observer->wishes(now)) notices |= wish;
+    if (agreed & wish) observer->hear();
     wish <<= 1;
   }
-  if (state.ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &notices, 1, MPI_INT, MPI_BOR, state.comm());
-  if (notices & unstable) throwUnstable(now, parts_->plan->units, "");
-  if (notices & crowded)
+  if (!(agreed & staleSoon)) return;
+  // All ranks reckon with the same way, without waiting for what they have just gone.
+  const ListKeeper& lists = system_.forces.lists();
+  const double reckoned = farthest_ + lists.wayToDrawing();
+  system_.forces.refresh(system_.state, system_.domain, reckoned);
+  drift.stale = lists.farthest() > reckoned;
+  drift.staleSoon = false;
+}
+
+void Simulation::tell(const DriftReport& drift) {
+  const Moment now = moment();
+  int mine = 0;
+  if (drift.stale) mine |= stale;
+  if (drift.staleSoon) mine |= staleSoon;
+  if (drift.unstable) mine |= unstable;
+  if (breaks_.waiting()) mine |= broke;
+  if (system_.forces.lists().outdated()) mine |= outdated;
+  if (system_.forces.contacts().full()) mine |= crowded;
+  int wish = firstWish;
+  for (const auto& observer : observers_) {
+    if (observer->wishes(now)) mine |= wish;
+    wish <<= 1;
+  }
+  notices_.begin(mine, system_.forces.lists().farthest(), system_.state.comm());
+}
+
+bool Simulation::agreesFirst(View view) const {
+  const State& state = system_.state;
+  // Pairs that have been released in the last step outdate the lists of all ranks.
+  const bool mayOutdate = state.gap && (state.step - 1) % gapCheckInterval == 0;
+  return !system_.forces.lists().foresees() || view == View::energies || state.extras().friction || mayOutdate;
+}
+
+bool Simulation::doubts() const {
+  return notices_.mine() & (stale | unstable);
+}
+
+bool Simulation::listsHold() {
+  State& state = system_.state;
+  heard_ = notices_.wait();
+  farthest_ = notices_.largest();
+  if (heard_ & unstable) throwUnstable(moment(), parts_->plan->units, "");
+  if (heard_ & crowded)
     throw RunError(
         format("step %lld: a segment has more than %d contacts with friction, which is all "
                "that it can remember",
                static_cast<long long>(state.step), contactSlots));
-  if (notices & broke) breaks_.spread(state);
-  if (notices & outdated)
-    forces.rebuild(state, system_.domain);
-  else if (notices & stale)
-    forces.refresh(state, system_.domain);
-  wish = firstWish;
-  for (const auto& observer : observers_) {
-    if (notices & wish) observer->hear();
-    wish <<= 1;
-  }
+  if (heard_ & broke) breaks_.spread(state);
+  agreed_ = heard_ & ~(firstWish - 1);
+  const bool hold = !(heard_ & (stale | outdated));
+  if (hold) agreed_ |= heard_ & staleSoon;
+  return hold;
+}
+
+void Simulation::renewLists() {
+  ForceField& forces = system_.forces;
+  if (heard_ & outdated)
+    forces.rebuild(system_.state, system_.domain);
+  else
+    forces.refresh(system_.state, system_.domain);
+}
+
+ForceOutcome Simulation::evaluate(View view) {
+  ForceField& forces = system_.forces;
+  Halo& halo = system_.domain.halo();
+  ForceRequest request;
+  request.energies = view == View::energies;
+  request.complete = false;
+  request.advance = request.ahead = parts_->stepper->dt();
+  if (!agreesFirst(view))
+    request.agreement = this;
+  else if (!listsHold())
+    renewLists();
+  const ForceOutcome outcome = forces.evaluate(system_.state, halo, request);
+  if (!outcome.again) return outcome;
+  const LogScope log(repeatEvent_);
+  renewLists();
+  request.agreement = nullptr;
+  return forces.evaluate(system_.state, halo, request);
 }
 
 View Simulation::widestView() {

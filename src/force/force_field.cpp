@@ -21,6 +21,7 @@ struct ForceField::Tallies {
   std::vector<BondTally> bonds;
   std::vector<PairTally> pairs;
   std::vector<WallTally> walls;
+  double waited = 0;  ///< seconds, for other ranks
 
   ForceOutcome sum() const {
     ForceOutcome outcome;
@@ -51,9 +52,9 @@ ForceField::ForceField(Settings settings, const Box& box)
     : settings_(std::move(settings)),
       nearest_(box),
       energyUnit_(settings_.kinds.energyScale()),
-      lists_(
-          {settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin, settings_.threads},
-          box),
+      lists_({settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin,
+              settings_.threads, settings_.foresees},
+             box),
       links_(settings_.links, settings_.kinds),
       rebuildEvent_(logEvent("NwRebuild")),
       bondEvent_(logEvent("NwBonds")),
@@ -79,8 +80,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
   bondsKnown_ = false;
 }
 
-void ForceField::refresh(State& state, Domain& domain) {
-  if (!lists_.redraw(state)) rebuild(state, domain);
+void ForceField::refresh(State& state, Domain& domain, std::optional<double> farthest) {
+  if (!lists_.redraw(state, farthest)) rebuild(state, domain);
 }
 
 PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous) {
@@ -104,6 +105,7 @@ void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies&
   FrictionJob friction{state, contacts_, tallies.request.advance};
   if (tallies.viscousPairs && settings_.pairs.rubs()) job.friction = &friction;
   job.breakage = tallies.request.mayBreak && settings_.breakage;
+  if (!outer && thread == 0) job.agreement = tallies.request.agreement;
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
     const auto& [first, second, law, widest] = settings_.pairs.classes()[c];
     const PairForce& force = *law;
@@ -172,17 +174,61 @@ ForceField::Tallies ForceField::startTallies(const ForceRequest& request, bool v
                   lists_.takeDrawing(),
                   std::exchange(followed_, {}),
                   std::vector<PairTally>(threads),
-                  {}};
+                  {},
+                  0};
   tallies.bonds.resize(threads);
   for (std::size_t t = 0; t < threads; ++t)
     tallies.bonds[t].energyUnit = tallies.pairs[t].energyUnit = energyUnit_;
   return tallies;
 }
 
+void ForceField::addInnerBonds(State& state, bool ownKnown, Tallies& tallies) {
+  const LogScope log(bondEvent_);
+  const bool viscous = state.extras().viscous && tallies.request.viscous;
+  onShares(shares().size(), [&](std::size_t t) {
+    if (viscous) startViscous(state, shares()[t]);
+    if (!ownKnown) {
+      clear(state, t);
+      addBonds(state, t, BondList::own, tallies);
+    }
+    addBonds(state, t, BondList::shared, tallies);
+  });
+  PetscLogFlops(290.0 * static_cast<double>(lists_.bonds().size()));
+}
+
+bool ForceField::addInnerPairs(State& state, Halo& halo, Tallies& tallies) {
+  Agreement* const agreement = tallies.request.agreement;
+  auto wait = [&] {
+    const double begin = MPI_Wtime();
+    {
+      const LogScope log(haloEvent_);
+      halo.refreshEnd(state);
+    }
+    const bool hold = !agreement || agreement->listsHold();
+    tallies.waited = MPI_Wtime() - begin;
+    return hold;
+  };
+  // A rank that doubts must not compute pairs, since its positions may be no numbers.
+  const bool early = agreement && agreement->doubts();
+  if (early && !wait()) return false;
+  if (settings_.pairs) {
+    const LogScope log(pairEvent_);
+    onShares(shares().size(), [&](std::size_t t) { addPairs(state, t, false, tallies); });
+  }
+  return early || wait();
+}
+
+ForceOutcome ForceField::abandon(Tallies& tallies) {
+  std::ranges::fill(sums_, ForceSum{});
+  followed_ = std::move(tallies.bonds);
+  ForceOutcome outcome;
+  outcome.again = true;
+  return outcome;
+}
+
 ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& request) {
-  const auto threads = shares().size();
-  const bool pairs = static_cast<bool>(settings_.pairs);
   if (owed_) throw std::logic_error("pair forces have not been handed over");
+  const bool pairs = static_cast<bool>(settings_.pairs);
   const bool viscous = state.extras().viscous && request.viscous;
   Tallies tallies = startTallies(request, viscous);
   const bool ownKnown = std::exchange(bondsKnown_, false) && !request.energies;
@@ -191,35 +237,15 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     halo.refreshBegin(state);
     if (viscous) halo.refreshVelocities(state);
   }
-  {
-    const LogScope log(bondEvent_);
-    onShares(threads, [&](std::size_t t) {
-      if (viscous) startViscous(state, shares()[t]);
-      if (!ownKnown) {
-        clear(state, t);
-        addBonds(state, t, BondList::own, tallies);
-      }
-      addBonds(state, t, BondList::shared, tallies);
-    });
-    PetscLogFlops(290.0 * static_cast<double>(lists_.bonds().size()));
-  }
+  addInnerBonds(state, ownKnown, tallies);
   const double begin = MPI_Wtime();
-  if (pairs) {
-    const LogScope log(pairEvent_);
-    onShares(threads, [&](std::size_t t) { addPairs(state, t, false, tallies); });
-  }
-  double waited = MPI_Wtime();
-  {
-    const LogScope log(haloEvent_);
-    halo.refreshEnd(state);
-  }
-  waited = MPI_Wtime() - waited;
+  if (!addInnerPairs(state, halo, tallies)) return abandon(tallies);
   addOuterBonds(state, tallies);
   if (viscous) addViscosity(state, tallies);
   if (walls_) addWalls(state, tallies);
   if (pairs) {
     const LogScope log(pairEvent_);
-    onShares(threads, [&](std::size_t t) {
+    onShares(shares().size(), [&](std::size_t t) {
       addPairs(state, t, true, tallies);
       if (request.complete) handOver(state, shares()[t].begin, shares()[t].end);
       if (tallies.viscousPairs) handOverViscous(state, shares()[t]);
@@ -229,7 +255,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   }
   if (viscous && state.extras().friction) endContacts(state, halo);
   // An evaluation that draws spends about a fifth of its time on drawing.
-  lists_.noteEvaluation(tallies.margin > 0 ? 0.2 * (MPI_Wtime() - begin - waited) : 0.0);
+  lists_.noteEvaluation(tallies.margin > 0 ? 0.2 * (MPI_Wtime() - begin - tallies.waited) : 0.0);
   return tallies.sum();
 }
 

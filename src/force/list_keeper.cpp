@@ -40,7 +40,7 @@ void ListKeeper::rebuild(State& state, Domain& domain) {
   if (settings_.pairs) makePairLists(state, domain, cells);
   noteWork(state, domain);
   outdated_ = false;
-  listStretched_ = 0;
+  listStretched_ = farthest_ = 0;
   ++rebuilds_;
   rebuildSeconds_ = MPI_Wtime() - begin;
   drawSeconds_ = 0;
@@ -127,7 +127,7 @@ void ListKeeper::shear(const Box& box, double strain) {
   listStretched_ += std::abs(strain) * range();
 }
 
-bool ListKeeper::redraw(const State& state) {
+bool ListKeeper::redraw(const State& state, std::optional<double> farthest) {
   // A pair that the list lacks was farther apart than reach + skin when the list was made.
   double farthest2 = 0;
 #pragma omp parallel for num_threads(static_cast <int>(shares_.size())) reduction(max : farthest2)
@@ -135,10 +135,15 @@ bool ListKeeper::redraw(const State& state) {
     farthest2 = std::max(farthest2, squaredWay(state.pose + 8 * i, listed_, i));
     noteReference(state, i);
   }
-  MPI_Allreduce(MPI_IN_PLACE, &farthest2, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+  farthest_ = std::sqrt(farthest2);
+  if (!farthest) {
+    farthest = farthest_;
+    if (state.ranks() > 1)
+      MPI_Allreduce(MPI_IN_PLACE, &*farthest, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+  }
   tuneMargin(state);
   // If less of the skin is left than the margin, the list still serves for a thinner margin.
-  const double left = skin_ - 2.0 * std::sqrt(farthest2) - 2.0 * listStretched_;
+  const double left = skin_ - 2.0 * *farthest - 2.0 * listStretched_;
   if (!(left >= 0.5 * margin_)) return false;
   margin_ = std::min(margin_, left);
   startDrawing(state);

@@ -69,6 +69,7 @@ class PairForceOf final : public PairForce {
     const std::span<const ListPair> rim = drawn.rim;
     DrawnPairs::Ends begin{};
     for (const auto& end : drawn.ends) {
+      if (job.agreement) job.agreement->poll();
       if (parts_)
         resolve(parts_->near, single_ ? &*single_ : nullptr, nearby, energies,
                 drawn.near.between(begin.near, end.near), undamped, tally);

@@ -244,6 +244,7 @@ class Drifter {
       : s_(state),
         forces_(forces),
         dt_(dt),
+        ahead_(forces.lists().foresees() ? foresight * dt : 0.0),
         tracks_(forces.lists().tracksMotion()),
         wraps_(state.box.periodic[0] || state.box.periodic[1] || state.box.periodic[2]) {
     // Half a segment in a step is far beyond any stable motion.
@@ -270,7 +271,7 @@ class Drifter {
     if (wraps_) s_.box.wrap(x, s_.image + 3 * i);
     s_.setOrientation(
         i, renormalised(rotation({dt_ * w[0], dt_ * w[1], dt_ * w[2]}) * s_.orientation(i)));
-    if (tracks_ && forces_.lists().moved(x, i)) report_.stale = true;
+    if (tracks_) track(i);
     const double turn2 = dt_ * dt_ * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     // Written so that a NaN counts as unstable.
     if (!(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < fastest2_ && turn2 < 1.0))
@@ -305,13 +306,25 @@ class Drifter {
     if (wraps_)
       for (int k = 0; k < laneCount; ++k) s_.box.wrap(pose + 8 * k, s_.image + 3 * (begin + k));
     if (!tracks_ || report_.stale) return;
-    for (int k = 0; k < laneCount; ++k)
-      if (forces_.lists().moved(pose + 8 * k, begin + k)) report_.stale = true;
+    for (int k = 0; k < laneCount; ++k) track(begin + k);
   }
+
+  void track(std::int32_t i) {
+    const ListKeeper& lists = forces_.lists();
+    const double* p = s_.pose + 8 * i;
+    if (ahead_ > 0) {
+      if (!lists.movesSoon(p, s_.velocity + 3 * i, s_.angular + 3 * i, ahead_, i)) return;
+      report_.staleSoon = true;
+    }
+    if (lists.moved(p, i)) report_.stale = true;
+  }
+
+  /// Steps that segments are followed ahead: one, and some of another since they may speed up.
+  static constexpr double foresight = 1.2;
 
   State& s_;
   const ForceField& forces_;
-  double dt_, fastest2_;
+  double dt_, ahead_, fastest2_;
   bool tracks_, wraps_;
   DriftReport report_;
 };
@@ -381,6 +394,7 @@ DriftReport Verlet::move(System& system) {
   DriftReport all;
   for (const DriftReport& r : reports) {
     all.stale = all.stale || r.stale;
+    all.staleSoon = all.staleSoon || r.staleSoon;
     all.unstable = all.unstable || r.unstable;
   }
   return all;

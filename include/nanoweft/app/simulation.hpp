@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "nanoweft/app/last_checkpoint.hpp"
+#include "nanoweft/app/notices.hpp"
 #include "nanoweft/app/run_parts.hpp"
 #include "nanoweft/motion/breakage.hpp"
 #include "nanoweft/record/energies.hpp"
@@ -15,7 +16,7 @@ namespace nanoweft {
 /// How a run ended; the values are the exit statuses.
 enum class Ending { done = 0, stopped = 3 };
 
-class Simulation : private RunBook {
+class Simulation : private RunBook, private Agreement {
  public:
   /// Takes the output files. Throws InputError. Collective.
   explicit Simulation(std::unique_ptr<RunParts> parts);
@@ -37,8 +38,17 @@ class Simulation : private RunBook {
   void changeBetweenSteps();
   /// Where it is due, measures the stress for a box that is driven.
   void measureBox();
-  /// Ranks tell each other what they have noticed or wish, then make the lists anew if needed.
-  void agreeAndPrepare(const DriftReport& drift);
+  /// Does what the ranks agreed on in the last step: draws the pairs or makes the lists anew, and
+  /// hears wishes. What `drift` says of the lists then changes, too.
+  void doAgreed(DriftReport& drift);
+  /// Starts to tell the other ranks what this one has noticed or wishes.
+  void tell(const DriftReport& drift);
+  /// Must all ranks know what they have noticed before forces are computed?
+  bool agreesFirst(View view) const;
+  /// Makes the lists anew, or draws the pairs anew, where the notices ask for it.
+  void renewLists();
+  /// Evaluates the forces of a step.
+  ForceOutcome evaluate(View view);
   View widestView();
   /// Takes up the outcome of an evaluation; `energies`: the outcome has them.
   void note(const ForceOutcome& outcome, bool energies);
@@ -47,6 +57,10 @@ class Simulation : private RunBook {
   Verdict verdict();
   /// Writes a checkpoint and says how to go on.
   Ending stopEarly();
+
+  void poll() override { notices_.poll(); }
+  bool doubts() const override;
+  bool listsHold() override;
 
   RunRecord stageRecord(const char* purpose) const override;
   RunRecord fullRecord(const char* purpose) const override;
@@ -59,13 +73,17 @@ class Simulation : private RunBook {
   System system_;
   const Observers& observers_;
   Breaks breaks_;
+  Notices notices_;
+  double farthest_ = 0;               ///< ListKeeper::farthest of all ranks
+  int heard_ = 0;                     ///< what the ranks agreed on last
+  int agreed_ = 0;                    ///< the part of it that waits for the next step
   Energies first_;                    ///< of the first state
   std::optional<Energies> energies_;  ///< of the present state, when computed
   LastCheckpoint good_;
   std::int64_t lastCheckpoint_ = -1;
   double checkpointSeconds_;
   bool checkpointTimed_ = false;
-  PetscLogEvent driftEvent_, kickEvent_, recordEvent_, fileEvent_;
+  PetscLogEvent driftEvent_, kickEvent_, repeatEvent_, recordEvent_, fileEvent_;
 };
 
 }  // namespace nanoweft

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "nanoweft/domain/domain.hpp"
@@ -21,6 +22,9 @@ struct ForceOutcome {
   ExactSum friction, external;       ///< work that friction took out, that walls put in
   ExactSum dragged;                  ///< the part of `external` that comes by friction
   std::vector<std::int64_t> broken;  ///< rows of the first segments of those bonds
+  /// The lists lack a pair. The caller renews them and evaluates again; until then no force is
+  /// right. The next outcome has the bonds that broke in this evaluation, too.
+  bool again = false;
 };
 
 struct ForceRequest {
@@ -30,6 +34,9 @@ struct ForceRequest {
   double advance = 0;    ///< time since the last evaluation, by which friction's springs advance
   bool complete = true;  ///< false: pair forces are left to a ForcePass
   double ahead = 0;      ///< time to the next one, in which prescribed walls move on
+  /// Waited for when the pairs of own segments have been computed, unless null. Not together with
+  /// energies or friction, which cannot be evaluated again.
+  Agreement* agreement = nullptr;
 };
 
 class ForceField {
@@ -43,6 +50,7 @@ class ForceField {
     Walls walls;
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;
+    bool foresees = false;  ///< may ranks hear a step late that segments move?
   };
   explicit ForceField(Settings settings, const Box& box);
   ForceField(const ForceField&) = delete;
@@ -51,8 +59,8 @@ class ForceField {
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
   /// To be called when ListKeeper::moved is true of some segment: draws the pairs anew, or makes
-  /// the lists anew, so that no pair is missing. Collective.
-  void refresh(State& state, Domain& domain);
+  /// the lists anew, so that no pair is missing. `farthest`: as for ListKeeper::redraw. Collective.
+  void refresh(State& state, Domain& domain, std::optional<double> farthest = {});
 
   /// Sets State::force and torque of the owned segments (and viscous, with viscous damping).
   /// Collective. Throws std::logic_error when the pair forces of the last evaluation still wait for
@@ -93,6 +101,13 @@ class ForceField {
   PairJob pairJob(const State& state, std::size_t thread, bool viscous);
   void addPairs(State& state, std::size_t thread, bool outer, Tallies& tallies);
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);
+  /// Adds the bonds within this rank, those of a thread's own segments unless a ForcePass has.
+  void addInnerBonds(State& state, bool ownKnown, Tallies& tallies);
+  /// Adds the pairs of own segments while the ghosts' positions and the agreement travel. Returns
+  /// false if the lists do not hold.
+  bool addInnerPairs(State& state, Halo& halo, Tallies& tallies);
+  /// Gives up an evaluation before anything but bonds has come out of it.
+  ForceOutcome abandon(Tallies& tallies);
   /// Adds the bonds with a ghost, and the links.
   void addOuterBonds(State& state, Tallies& tallies);
   /// Sets State::viscous to what bonds do.

@@ -7,7 +7,9 @@
 /// depends on them.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "nanoweft/domain/domain.hpp"
@@ -26,6 +28,7 @@ class ListKeeper {
     const PairForces& pairs;
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;
+    bool foresees = false;  ///< ForceField::Settings
   };
   /// What the settings refer to must outlive this.
   ListKeeper(const Settings& settings, const Box& box);
@@ -39,9 +42,17 @@ class ListKeeper {
   /// step makes them anew.
   void outdate() { outdated_ = true; }
   bool outdated() const { return outdated_; }
+  /// Are segments followed ahead, so that ranks may hear a step late that some move too far?
+  bool foresees() const { return settings_.foresees; }
   /// After a segment has `moved`: lets the next evaluation draw its pairs anew. Returns false, on
   /// all ranks, if the list may lack a pair: then the caller has to rebuild it. Collective.
-  bool redraw(const State& state);
+  /// `farthest`: how far any segment of any rank may have gone since the rebuild, the same on all
+  /// ranks; without it the ranks ask each other.
+  bool redraw(const State& state, std::optional<double> farthest = {});
+  /// How far a segment of this rank had gone since the rebuild when pairs were drawn last.
+  double farthest() const { return farthest_; }
+  /// How far a segment may have gone since pairs were drawn, if it is found as it moves out.
+  double wayToDrawing() const { return 0.6 * margin_; }
 
   /// The box has been strained by these factors, with all segments in it. Motion counts from there.
   void stretch(const Box& box, const std::array<double, 3>& factor);
@@ -51,11 +62,17 @@ class ListKeeper {
   /// Has the segment, whose pose is now `p`, moved or turned so far that a pair might be missing
   /// from the drawn ones?
   bool moved(const double* p, int i) const {
-    const double left = margin_ - 2.0 * stretched_;
-    double way2 = squaredWay(p, reference_, i);
-    // (a + b)^2 <= 1.1 a^2 + 11 b^2, with b the way of the outermost point as the segment turns.
-    if (span_ > 0) way2 = 1.1 * way2 + 11.0 * squaredTurn(p, i);
-    return !(left >= 0 && way2 <= 0.25 * left * left);
+    return !holds(squaredWay(p, reference_, i), span_ > 0 ? squaredTurn(p, i) : 0.0);
+  }
+  /// Has it, or will it have at this velocity and angular velocity within the time `ahead`?
+  bool movesSoon(const double* p, const double* v, const double* w, double ahead, int i) const {
+    const Vec3d way = wayFrom(p, reference_, i);
+    const Vec3d then = way + ahead * Vec3d{v[0], v[1], v[2]};
+    const double way2 = std::max(dot(way, way), dot(then, then));
+    if (!(span_ > 0)) return !holds(way2, 0.0);
+    const Vec3d axis = axis1(Quatd{p[4], p[5], p[6], p[7]}), turn = axis - axisBefore(i);
+    const Vec3d turnThen = turn + ahead * cross(Vec3d{w[0], w[1], w[2]}, axis);
+    return !holds(way2, span_ * span_ * std::max(dot(turn, turn), dot(turnThen, turnThen)));
   }
   bool tracksMotion() const { return static_cast<bool>(settings_.pairs); }
 
@@ -75,14 +92,28 @@ class ListKeeper {
   void noteEvaluation(double drawing);
 
  private:
-  double squaredWay(const double* x, const std::vector<double>& from, int i) const {
+  /// Do the drawn pairs hold for a segment whose centre, and whose outermost point as it turns,
+  /// went so far?
+  bool holds(double way2, double turn2) const {
+    const double left = margin_ - 2.0 * stretched_;
+    // (a + b)^2 <= 1.1 a^2 + 11 b^2.
+    if (span_ > 0) way2 = 1.1 * way2 + 11.0 * turn2;
+    return left >= 0 && way2 <= 0.25 * left * left;
+  }
+  Vec3d wayFrom(const double* x, const std::vector<double>& from, int i) const {
     const double* r = &from[3 * static_cast<std::size_t>(i)];
-    const Vec3d d = nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
+    return nearest_(Vec3d{x[0] - r[0], x[1] - r[1], x[2] - r[2]});
+  }
+  double squaredWay(const double* x, const std::vector<double>& from, int i) const {
+    const Vec3d d = wayFrom(x, from, i);
     return dot(d, d);
   }
-  double squaredTurn(const double* p, int i) const {
+  Vec3d axisBefore(int i) const {
     const double* e = &axes_[3 * static_cast<std::size_t>(i)];
-    const Vec3d d = axis1(Quatd{p[4], p[5], p[6], p[7]}) - Vec3d{e[0], e[1], e[2]};
+    return {e[0], e[1], e[2]};
+  }
+  double squaredTurn(const double* p, int i) const {
+    const Vec3d d = axis1(Quatd{p[4], p[5], p[6], p[7]}) - axisBefore(i);
     return span_ * span_ * dot(d, d);
   }
   void noteReference(const State& state, int i) {
@@ -109,6 +140,7 @@ class ListKeeper {
   /// By how much a box that is strained may have moved two listed segments apart or together, since
   /// the drawing and since the rebuild; half of it a segment.
   double stretched_ = 0, listStretched_ = 0;
+  double farthest_ = 0;
   bool draw_ = false;  ///< the next evaluation draws its pairs anew
   std::vector<PairList> pairs_;
   BondList bonds_;

@@ -20,6 +20,7 @@
 
 #include "nanoweft/base/both.hpp"
 #include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/force/agreement.hpp"
 #include "nanoweft/force/pair_draw.hpp"
 #include "nanoweft/force/sums.hpp"
 #include "nanoweft/state/box.hpp"
@@ -64,6 +65,8 @@ struct PairJob {
 
   // With friction only:
   FrictionJob* friction = nullptr;
+
+  Agreement* agreement = nullptr;  ///< to be polled between chunks of pairs, unless null
 
   bool breakage = false;  ///< is the energy to be booked that contacts change by as ends get free?
 

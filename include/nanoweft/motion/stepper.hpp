@@ -15,8 +15,9 @@ namespace nanoweft {
 
 /// What the motion of a step did on this rank.
 struct DriftReport {
-  bool stale = false;     ///< a segment moved so far that a drawn pair may be missing
-  bool unstable = false;  ///< a segment moved too far in one step, or is not a number
+  bool stale = false;      ///< a segment moved so far that a drawn pair may be missing
+  bool staleSoon = false;  ///< one has, or will have after another step; where the lists foresee
+  bool unstable = false;   ///< a segment moved too far in one step, or is not a number
 };
 
 class Stepper {

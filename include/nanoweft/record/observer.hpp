@@ -104,7 +104,7 @@ class Observer {
   /// At the first state, which has all energies.
   virtual void begin(const Moment&) {}
   /// Has this rank something to tell the others (a signal, the time)? If any rank has, `hear` is
-  /// called on all ranks before the step's forces are computed.
+  /// called on all ranks in the next step, before its forces are computed.
   virtual bool wishes(const Moment&) { return false; }
   virtual void hear() {}
   /// What it looks at in the step that is being made; State::step and time are those of its end.

@@ -2,10 +2,19 @@
 
     local    = segments x motion + bonds, packing included in the figure for a ghost
     halo     = messages x latency + ghosts x time of a ghost         (travels while inner pairs run)
-    step     = max over ranks [ local + inner pairs + max(0, halo - hidden x inner pairs)
-                                + outer pairs + rebuild ] + allreduce
     rebuild  = (segments and ghosts x time of a list) / steps between rebuilds
-    allreduce = log2(ranks) x latency, and a share of those that a rebuild needs
+    agree    = log2(ranks) x latency
+    notices  = log2(ranks) messages, each once the one before has arrived (travel while inner pairs
+               run; a rank looks for them after each 256 segments' pairs)
+    step     = max over ranks [ local + inner pairs + what inner pairs leave of halo + outer pairs
+                                + rebuild ]
+               + agree x (1 + 1 / steps between drawings
+                          + collective calls of a rebuild / steps between rebuilds)
+    late     = max over ranks [ the same, with what they leave of the longer of halo and notices ]
+               + agree x collective calls of a rebuild / steps between rebuilds
+
+The step is late from 128 ranks on, as the program's (-agreement). What it costs to foresee which
+pairs will be missing is left out.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -25,6 +34,7 @@ class Costs:
     latency: float = 1700.0     # a message
     hidden: float = 1.0         # fraction of the inner pairs' time that can hide the halo
     collectives: float = 25.0   # reductions and barriers of a rebuild
+    drawing: float = 2.5        # steps between drawings of pairs
 
     HELP: ClassVar = {"pair": "ns per pair of the list",
                       "segment": "ns per segment for motion and bonds",
@@ -32,7 +42,8 @@ class Costs:
             "interval": "steps between rebuilds of the lists", "ghost": "ns per ghost",
             "latency": "ns per message",
                       "hidden": "fraction of the inner pairs that can hide the halo",
-            "collectives": "collective calls of a rebuild"}
+            "collectives": "collective calls of a rebuild",
+                      "drawing": "steps between drawings of pairs"}
 
     def slower_network(self, latency=10.0, ghost=10.0):
         return replace(self, latency=self.latency * latency, ghost=self.ghost * ghost)
@@ -48,18 +59,38 @@ class Costs:
         return cls(**{f.name: getattr(arguments, f.name) for f in fields(cls)})
 
 
-def step(loads, costs, ranks=None):
+# Segments of a chunk of pairs, after which a rank looks for messages (src/force/pair_draw.cpp).
+CHUNK = 256
+# Ranks from which on the step is late (-agreement).
+LATE = 128
+
+
+def left_of_notices(loads, costs, rounds):
+    """Nanoseconds for which a rank waits for what all ranks agree on, after its inner pairs."""
+    hiding = costs.hidden * costs.pair * loads.inner
+    chunk = hiding * np.minimum(1.0, CHUNK / np.maximum(1, loads.owned))
+    return costs.latency * np.maximum(0.0, rounds - hiding / np.maximum(costs.latency, chunk))
+
+
+def step(loads, costs, ranks=None, late=None):
     """Seconds of one step;
-    `ranks`: of the whole machine, when `loads` holds a sample of its ranks."""
+    `ranks`: of the whole machine, when `loads` holds a sample of its ranks;
+    `late`: do ranks hear of each other while they compute (None: as the program chooses)?"""
     ranks = ranks or loads.ranks
+    late = ranks >= LATE if late is None else late
     local = costs.segment * loads.owned
     inner = costs.pair * loads.inner
     halo = costs.latency * loads.messages + costs.ghost * np.maximum(loads.ghosts, loads.sent)
+    rounds = np.ceil(np.log2(ranks))
     left = np.maximum(0.0, halo - costs.hidden * inner)
+    asked = costs.collectives / costs.interval
+    if late:
+        left = np.maximum(left, left_of_notices(loads, costs, rounds))
+    else:
+        asked += 1 + 1 / costs.drawing
     lists = costs.list * (loads.owned + loads.ghosts) / costs.interval
     busy = local + inner + left + costs.pair * loads.outer + lists
-    rounds = np.ceil(np.log2(ranks)) * (1 + costs.collectives / costs.interval)
-    return 1e-9 * (busy.max() + costs.latency * rounds)
+    return 1e-9 * (busy.max() + costs.latency * rounds * asked)
 
 
 def serial(segments, pairs, costs):
