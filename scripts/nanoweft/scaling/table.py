@@ -35,7 +35,8 @@ def row(case, kind, ranks, loads, costs, serial):
 
 FORMATS = {"imbalance": ".3f", "ghosts_per_segment": ".4f", "messages_mean": ".1f",
            "cut_pairs_percent": ".2f",
-           "ms": ".4g", "ms_at_once": ".4g", "efficiency": ".3f", "network_percent": ".1f", "ms_slow_network": ".4g",
+           "ms": ".4g", "ms_at_once": ".4g",
+           "efficiency": ".3f", "network_percent": ".1f", "ms_slow_network": ".4g",
            "efficiency_slow_network": ".3f", "kB_per_step_max": ".1f", "case": "", "kind": ""}
 
 
@@ -52,7 +53,8 @@ HEADS = {"kind": "partition", "ranks": "ranks", "imbalance": "imbalance",
          "ghosts_max": "ghosts, most", "messages_mean": "messages, mean", "messages_max": "most",
          "kB_per_step_max": "kB a step, most", "cut_bonds": "cut bonds",
          "cut_pairs_percent": "cut pairs, %",
-         "ms": "ms a step", "ms_at_once": "if ranks agreed at once", "efficiency": "efficiency", "network_percent": "of it network, %",
+         "ms": "ms a step", "ms_at_once": "if ranks agreed at once",
+         "efficiency": "efficiency", "network_percent": "of it network, %",
          "efficiency_slow_network": "efficiency, network 10 x slower"}
 
 
