@@ -96,7 +96,7 @@ const std::vector<Case> cases = {
     {"Racket", "-scene racket -racket_segments 200", {"loop of 904", "handle of two arms"}},
     {"Helix",
      "-scene helix -helix_segments 200 -helix_fibres 2 -helix_rest shaped",
-     {"2 fibres, 200 segments each"},
+     {"2 fibres", "200 segments each"},
      {},
      2},
     {"Rope",
@@ -111,11 +111,11 @@ const std::vector<Case> cases = {
      {700, 700, 0},
      133},
     {"FilmOfBundles",
-     "-scene film -film_segments 40 -film_layers 5 -film_bundle 10 -film_coverage 2 "
-     "-film_size 900,900",
-     {"volume fraction 0.2565", "coverage 1.998"},
-     {900, 900, 0},
-     220},
+     "-scene film -film_segments 40 -film_layers 3 -film_bundle 10 -film_coverage 1.2 "
+     "-film_size 700,700",
+     {"volume fraction 0.2651"},
+     {700, 700, 0},
+     80},
     {"FilmWhereNoPlaceIsLeftByLot",
      "-scene film -film_segments 40 -film_layers 3 -film_coverage 0.62 -film_size 700,700 "
      "-film_periodic no",

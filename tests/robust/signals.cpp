@@ -79,21 +79,21 @@ TEST_P(StopSignal, LeavesACheckpoint) {
   expectGoesOn(folder, stopped, "c.h5");
 }
 
-TEST_P(StopSignal, WithoutANameLeavesACheckpointNamedByItsStep) {
+TEST(Signals, WithoutANameLeaveACheckpointNamedByItsStep) {
   const Folder folder;
-  const Outcome stopped =
-      alone(folder, endless + snapshots, begun + "kill -" + GetParam() + " $PID");
+  const Outcome stopped = alone(folder, endless + snapshots, begun + "kill -TERM $PID");
   char name[40];
   std::snprintf(name, sizeof name, "checkpoint_%010ld.h5", stoppedAt(stopped.output));
   expectGoesOn(folder, stopped, name);
 }
 
-TEST_P(StopSignal, ToOneRankStopsAll) {
-  const Folder folder;
-  const Outcome stopped =
-      runBeside(folder, endless + snapshots + "-checkpoint_file c.h5", 3,
-                begun + "kill -" + GetParam() + " $(pgrep -P $PID | tail -n 1)");
-  expectGoesOn(folder, stopped, "c.h5");
+TEST(Signals, ToOneRankStopAll) {
+  for (const char* name : {"INT", "USR1"}) {
+    const Folder folder;
+    const Outcome stopped = runBeside(folder, endless + snapshots + "-checkpoint_file c.h5", 3,
+                                      begun + "kill -" + name + " $(pgrep -P $PID | tail -n 1)");
+    expectGoesOn(folder, stopped, "c.h5");
+  }
 }
 
 TEST_P(StopSignal, WhileOptionsAreReadEndsAtOnceWithNothingWritten) {

@@ -85,7 +85,8 @@ ACCURACY = """
 
 `-pair_accuracy 0.02`: the program chooses points, far points and the place of the split by its own estimate of the error, in a
 bundle and where fibres cross. Measured against 24 points everywhere, in a weave and a film 4 and 2 ps after they were let go, in a bundle and in a
-ring of three windings: rms errors of forces over the rms of the pair forces.
+ring of three windings: rms errors of forces over the rms of the pair forces. Times are those of `-pair_precision double`. Without it a build for
+AVX-512 takes single precision (below): 0.89 and 0.79 of the time of `5, 1 beyond 2T`.
 """
 
 PRECISION = """
