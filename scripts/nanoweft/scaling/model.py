@@ -67,6 +67,8 @@ LATE = 128
 
 def left_of_notices(loads, costs, rounds):
     """Nanoseconds for which a rank waits for what all ranks agree on, after its inner pairs."""
+    if costs.latency == 0:
+        return 0.0
     hiding = costs.hidden * costs.pair * loads.inner
     chunk = hiding * np.minimum(1.0, CHUNK / np.maximum(1, loads.owned))
     return costs.latency * np.maximum(0.0, rounds - hiding / np.maximum(costs.latency, chunk))
