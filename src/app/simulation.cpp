@@ -184,7 +184,8 @@ bool Simulation::agreesFirst(View view) const {
   const State& state = system_.state;
   // Pairs that have been released in the last step outdate the lists of all ranks.
   const bool mayOutdate = state.gap && (state.step - 1) % gapCheckInterval == 0;
-  return !system_.forces.lists().foresees() || view == View::energies || state.extras().friction || mayOutdate;
+  return !system_.forces.lists().foresees() || view == View::energies || state.extras().friction ||
+         mayOutdate;
 }
 
 bool Simulation::doubts() const {
