@@ -110,11 +110,11 @@ class Collector {
     open_.pop_back();
   }
 
-  void lines(const std::vector<Line>& lines, const std::string& where) {
+  void lines(const std::vector<TextLine>& lines, const std::string& where) {
     // PETSc's aliases hold for their whole file.
-    for (const Line& line : lines)
+    for (const TextLine& line : lines)
       if (same(line.words[0].text, "alias")) alias(line, where);
-    for (const Line& line : lines) {
+    for (const TextLine& line : lines) {
       if (same(line.words[0].text, "alias")) continue;
       const std::string place = where + format(": line %d", line.number);
       const auto& w = line.words;
@@ -131,7 +131,7 @@ class Collector {
     }
   }
 
-  void alias(const Line& line, const std::string& where) {
+  void alias(const TextLine& line, const std::string& where) {
     const auto& w = line.words;
     if (w.size() != 3 || !isName(w[1]) || !isName(w[2]))
       refuse(where + format(": line %d", line.number), "expected 'alias -new_name -option'");

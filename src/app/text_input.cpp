@@ -144,8 +144,8 @@ std::string TextFile::read(std::size_t most) {
   return text;
 }
 
-std::vector<Line> splitLines(const std::string& text, const std::string& where) {
-  std::vector<Line> lines;
+std::vector<TextLine> splitLines(const std::string& text, const std::string& where) {
+  std::vector<TextLine> lines;
   int number = 1;
   for (std::size_t begin = 0; begin < text.size(); ++number) {
     const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());

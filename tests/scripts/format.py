@@ -1,7 +1,9 @@
-"""No Python line is over 100 columns, all C++ is as clang-format leaves it: python3 format.py
+"""No Python line is over 100 columns, no type of the namespace has the name of another one, all
+C++ is as clang-format leaves it: python3 format.py
 
 Exit status 77 (CTest: skipped) without clang-format or outside a git repository."""
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -34,7 +36,19 @@ def too_long(files):
     return found
 
 
-found = too_long(tracked(ROOT))
+def same_names(files):
+    """The types that two headers define by one name in the namespace: the linker would take the
+    functions of either for both."""
+    places = {}
+    for file in files:
+        for name in re.findall(r"^(?:struct|class|enum class) (?:alignas\(\w+\) )?(\w+)\b[^;]*?\{",
+                               file.read_text(encoding="utf-8"), re.M):
+            places.setdefault(name, []).append(str(file.relative_to(ROOT)))
+    return [f"{name}: defined in {' and '.join(where)}" for name, where in places.items()
+            if len(where) > 1]
+
+
+found = too_long(tracked(ROOT)) + same_names(tracked(ROOT, "include/*.hpp"))
 if found:
     sys.exit("\n".join(found))
 if not shutil.which("clang-format"):

@@ -39,14 +39,15 @@ struct Word {
   std::string text;
   bool quoted = false;  ///< stood in '' or "", so it is no option's name
 };
-struct Line {
+/// The words of a line, and its number in the text.
+struct TextLine {
   int number;
   std::vector<Word> words;
 };
 
 /// The words of each line that has any. A word in '' or "" keeps its blanks; # begins a comment at
 /// the start of a word. Throws InputError.
-std::vector<Line> splitLines(const std::string& text, const std::string& where);
+std::vector<TextLine> splitLines(const std::string& text, const std::string& where);
 
 /// All words of a text that has no comments, such as an environment variable.
 std::vector<Word> splitWords(const std::string& text, const std::string& where);
