@@ -265,6 +265,7 @@ void RunParts::share() {
   }
   // The first shares know no measured work. They may be made twice more: from it, then by METIS.
   for (int k = 0; k < 2 && domain->unequal(); ++k) forces->rebuild(*state, *domain);
+  if (domain->revoked()) forces->rebuild(*state, *domain);
 }
 
 void RunParts::refuseOverlap() const {

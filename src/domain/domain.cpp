@@ -34,21 +34,21 @@ bool Domain::turnToMetis(const State& state) {
 void Domain::judgeMetis() {
   // Equal shares with long borders may be more work than unequal ones with short borders: a pair of
   // two ranks is resolved by both.
-  if (!std::exchange(onTrial_, false) || most_ < straight_) return;
-  partitioner_ = std::make_unique<RectilinearPartitioner>();
-  metis_ = false;
-  failed_ = true;
+  if (std::exchange(onTrial_, false) && most_ >= straight_) failed_ = true;
 }
 
 void Domain::rebuild(State& state, double range, double cell, const std::vector<double>* known) {
   std::vector<double> work =
       known ? *known : std::vector<double>(static_cast<std::size_t>(state.owned()), 1.0);
   bool anew = false;
-  if (state.ranks() > 1 && unequal())
+  if (revoked()) {
+    partitioner_ = std::make_unique<RectilinearPartitioner>();
+    metis_ = false;
+    anew = true;
+  } else if (state.ranks() > 1 && unequal())
     // Shares made from measured work are made anew only when the imbalance has grown since; until
     // then new cuts would be as unequal.
     anew = turnToMetis(state) || !fresh_ || imbalance_ > reached_ + 0.02;
-  if (failed_ && straight_ > 0) anew = true, straight_ = 0;
   if (anew) fresh_ = known != nullptr, reached_ = 0;
   for (double reach = cell;; reach *= 1.5) {
     state.dropGhosts();

@@ -44,6 +44,9 @@ class Domain {
   /// Largest work of a rank over the mean.
   double imbalance() const { return imbalance_; }
   bool unequal() const { return imbalance_ > settings_.tolerance; }
+  /// Did METIS make more work for the busiest rank than straight cuts, to which the next rebuild
+  /// returns?
+  bool revoked() const { return failed_ && metis_; }
   /// Ghosts of all ranks, and bonds between segments of two ranks. Collective.
   struct Census {
     std::int64_t ghosts, cutBonds;
