@@ -107,6 +107,7 @@ void Simulation::step() {
   energies_.reset();
   doAgreed(drift);
   tell(drift);
+  if (!system_.forces.lists().foresees()) hearAtOnce();
   const View view = widestView();
   const ForceOutcome outcome = evaluate(view);
   system_.forces.walls().finish(system_.state.comm(), system_.state.time, parts_->stepper->dt(),
@@ -148,19 +149,29 @@ void Simulation::measureBox() {
 }
 
 void Simulation::doAgreed(DriftReport& drift) {
-  const int agreed = std::exchange(agreed_, 0);
-  int wish = firstWish;
-  for (const auto& observer : observers_) {
-    if (agreed & wish) observer->hear();
-    wish <<= 1;
-  }
-  if (!(agreed & staleSoon)) return;
+  granted_ = std::exchange(agreed_, 0);
+  grant(granted_);
+  if (!(granted_ & staleSoon)) return;
   // All ranks reckon with the same way, without waiting for what they have just gone.
   const ListKeeper& lists = system_.forces.lists();
   const double reckoned = farthest_ + lists.wayToDrawing();
   system_.forces.refresh(system_.state, system_.domain, reckoned);
   drift.stale = lists.farthest() > reckoned;
   drift.staleSoon = false;
+}
+
+void Simulation::grant(int wishes) {
+  int wish = firstWish;
+  for (const auto& observer : observers_) {
+    if (wishes & wish) observer->hear();
+    wish <<= 1;
+  }
+}
+
+void Simulation::hearAtOnce() {
+  const bool hold = listsHold();
+  grant(std::exchange(agreed_, 0));
+  if (!hold) renewLists();
 }
 
 void Simulation::tell(const DriftReport& drift) {
@@ -174,7 +185,8 @@ void Simulation::tell(const DriftReport& drift) {
   if (system_.forces.contacts().full()) mine |= crowded;
   int wish = firstWish;
   for (const auto& observer : observers_) {
-    if (observer->wishes(now)) mine |= wish;
+    // What has just been granted is done at the end of this step.
+    if (!(granted_ & wish) && observer->wishes(now)) mine |= wish;
     wish <<= 1;
   }
   notices_.begin(mine, system_.forces.lists().farthest(), system_.state.comm());
@@ -184,8 +196,7 @@ bool Simulation::agreesFirst(View view) const {
   const State& state = system_.state;
   // Pairs that have been released in the last step outdate the lists of all ranks.
   const bool mayOutdate = state.gap && (state.step - 1) % gapCheckInterval == 0;
-  return !system_.forces.lists().foresees() || view == View::energies || state.extras().friction ||
-         mayOutdate;
+  return view == View::energies || state.extras().friction || mayOutdate;
 }
 
 bool Simulation::doubts() const {
@@ -224,10 +235,12 @@ ForceOutcome Simulation::evaluate(View view) {
   request.energies = view == View::energies;
   request.complete = false;
   request.advance = request.ahead = parts_->stepper->dt();
-  if (!agreesFirst(view))
-    request.agreement = this;
-  else if (!listsHold())
-    renewLists();
+  if (system_.forces.lists().foresees()) {
+    if (!agreesFirst(view))
+      request.agreement = this;
+    else if (!listsHold())
+      renewLists();
+  }
   const ForceOutcome outcome = forces.evaluate(system_.state, halo, request);
   if (!outcome.again) return outcome;
   const LogScope log(repeatEvent_);

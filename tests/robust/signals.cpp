@@ -106,6 +106,23 @@ TEST_P(StopSignal, WhileOptionsAreReadEndsAtOnceWithNothingWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder / "c.h5"));
 }
 
+/// Every step takes longer than the interval.
+TEST(Progress, AWishIsGrantedOnceAlsoWhenItIsHeardLate) {
+  for (const auto& [agreement, lines] : {std::pair("at_once", 10), std::pair("late", 5)}) {
+    const Folder folder;
+    const Outcome done = run(folder,
+                             std::string("-weave_fibres 4,4 -weave_segments 24 -ts_max_steps 10 "
+                                         "-progress_interval 1e-6 -agreement ") +
+                                 agreement,
+                             2);
+    int found = 0;
+    for (auto at = done.output.find("\nstep "); at != std::string::npos;
+         at = done.output.find("\nstep ", at + 1))
+      ++found;
+    EXPECT_EQ(found, lines) << done.output;
+  }
+}
+
 TEST(Signals, ToMpirunIsPassedOn) {
   const Folder folder;
   expectGoesOn(folder,

@@ -41,6 +41,10 @@ class Simulation : private RunBook, private Agreement {
   /// Does what the ranks agreed on in the last step: draws the pairs or makes the lists anew, and
   /// hears wishes. What `drift` says of the lists then changes, too.
   void doAgreed(DriftReport& drift);
+  /// Lets observers hear those of their wishes that the ranks have agreed on.
+  void grant(int wishes);
+  /// Waits for the notices of this step and does what they ask for.
+  void hearAtOnce();
   /// Starts to tell the other ranks what this one has noticed or wishes.
   void tell(const DriftReport& drift);
   /// Must all ranks know what they have noticed before forces are computed?
@@ -77,6 +81,7 @@ class Simulation : private RunBook, private Agreement {
   double farthest_ = 0;               ///< ListKeeper::farthest of all ranks
   int heard_ = 0;                     ///< what the ranks agreed on last
   int agreed_ = 0;                    ///< the part of it that waits for the next step
+  int granted_ = 0;                   ///< what this step does of it
   Energies first_;                    ///< of the first state
   std::optional<Energies> energies_;  ///< of the present state, when computed
   LastCheckpoint good_;
