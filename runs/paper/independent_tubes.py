@@ -45,7 +45,7 @@ def strength(tubes, width, per, seed):
     draw = np.random.default_rng(seed)
     critical = np.array([draw.normal(0.3, 0.05, int(n) if per == "bond" else 1).min()
                          for n in tubes[:, 1]])
-    strain = np.linspace(0, 0.6, 601)
+    strain = np.linspace(0, 1.2, 1201)
     own = (1 + strain[:, None]) / (1 + tubes[:, 0]) - 1
     stress = np.where(own < critical, own.clip(0),
                       0).sum(1) * STIFFNESS / (width * THICKNESS) * GIGAPASCAL
@@ -58,6 +58,8 @@ def main():
     parser.add_argument("state", metavar="SNAPSHOT.h5")
     parser.add_argument("--width", type=float, required=True,
                         help="of the fabric, A, as in the run's header")
+    parser.add_argument("--slack", type=float, default=1.0, metavar="FACTOR",
+                        help="what if every tube were so many times as slack (default: 1)")
     parser.add_argument("--axis", choices="xyz", default="x")
     arguments = parser.parse_args()
     try:
@@ -66,6 +68,7 @@ def main():
         sys.exit(f"independent_tubes: {error}")
     if not len(tubes):
         sys.exit(f"independent_tubes: {arguments.state}: no tube is held by both grips")
+    tubes[:, 0] *= arguments.slack
     shares = np.percentile(100 * tubes[:, 0], [0, 10, 50, 90, 100])
     print(f"{len(tubes)} tubes, slack in %: least {shares[0]:.1f}, tenth {shares[1]:.1f}, "
           f"median {shares[2]:.1f}, nine tenths {shares[3]:.1f}, most {shares[4]:.1f}; "
