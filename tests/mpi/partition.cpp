@@ -104,6 +104,10 @@ TEST(Partition, MetisGivesWayWhereItsBordersCostMoreThanItEvensOut) {
   ASSERT_EQ(automatic.status, 0) << automatic.output;
   EXPECT_EQ(partitionOf(metis).kind, "metis");
   EXPECT_EQ(partitionOf(automatic).kind, "rectilinear");
+  // Before the first step, and not when the lists are made anew some day.
+  const auto once = run(folder, options + "-pair_skin 5 -ts_max_steps 1", 3);
+  ASSERT_EQ(once.status, 0) << once.output;
+  EXPECT_EQ(partitionOf(once).kind, "rectilinear");
 }
 
 TEST(Partition, WorkCountsNotSegments) {
