@@ -305,7 +305,7 @@ void printEnd(const RunParts& parts, const Moment& end) {
               e.rotational);
 }
 
-void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock) {
+void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock, double team) {
   const MPI_Comm comm = parts.plan->comm;
   const UnitSystem& units = parts.plan->units;
   const double wall = MPI_Wtime() - clock.wall, time = end.state().time - clock.time;
@@ -326,6 +326,11 @@ void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock) {
               time * units.secondsPerTime * 1e9 / wall * 86400.0,
               static_cast<long long>(parts.forces->lists().rebuilds()), parts.domain->imbalance(),
               static_cast<double>(memory) / 1024.0);
+  if (const int threads = parts.team.given; team < 0.95 * threads)
+    PetscPrintf(comm,
+                "threads: %.3g of %d worked on average, since other programs took cores "
+                "(-threads all would wait for them)\n",
+                team, threads);
   if (end.state().ranks() == 1) return;
   const Domain::Census census = parts.domain->census(*parts.state);
   PetscPrintf(comm,
@@ -355,12 +360,12 @@ void printDampingShare(const RunPlan& plan, const Energies& e) {
 
 }  // namespace
 
-void printSummary(const RunParts& parts, const Moment& end, const Clock& clock) {
+void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, double team) {
   const RunPlan& plan = *parts.plan;
   const Energies& e = *end.energies;
   printEnd(parts, end);
   if (end.step() == clock.step) return;
-  printSpeed(parts, end, clock);
+  printSpeed(parts, end, clock, team);
   const bool heated = plan.settings.thermostat.has_value(), rubs = end.state().extras().friction;
   const std::string others = (rubs ? format(", friction %.6g", e.friction) : "") +
                              (heated ? format(", heat %.6g", e.heat) : "");

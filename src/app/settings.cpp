@@ -96,6 +96,9 @@ void readSimd(OptionSection& parallel) {
 void readPartition(Options& options, RunSettings& r) {
   OptionSection parallel = OptionSection(options, "Parallel").as(Role::run);
   readSimd(parallel);
+  r.allThreads = parallel.choice("threads", "auto", {"auto", "all"},
+                                 "which of OMP_NUM_THREADS work: fewer while other programs take "
+                                 "their cores, or all") == "all";
   const std::string kind = parallel.choice(
       "partition", "auto", {"auto", "dmda", "metis"},
       "how segments are shared among ranks: straight cuts of the cell grid, METIS on "

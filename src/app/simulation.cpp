@@ -37,6 +37,7 @@ Simulation::Simulation(std::unique_ptr<RunParts> parts)
       system_(parts_->system()),
       observers_(parts_->plan->observers),
       breaks_(system_.forces.pairs().exclude()),
+      team_(parts_->team.given, parts_->plan->settings.allThreads),
       checkpointSeconds_(static_cast<double>(system_.state.total()) * secondsPerSegmentWritten),
       driftEvent_(logEvent("NwKickDrift")),
       kickEvent_(logEvent("NwKick")),
@@ -77,7 +78,7 @@ Ending Simulation::runToEnd() {
   const Moment end = moment();
   for (const auto& observer : observers_) observer->finish(end);
   sync();
-  printSummary(*parts_, end, clock);
+  printSummary(*parts_, end, clock, team_.mean());
   return Ending::done;
 }
 
@@ -123,6 +124,7 @@ void Simulation::step() {
   note(outcome, view == View::energies);
   const Moment end = moment();
   for (const auto& observer : observers_) observer->observe(end);
+  team_.noteStep();
 }
 
 void Simulation::changeBetweenSteps() {

@@ -6,6 +6,11 @@
 
 namespace nanoweft {
 
+TeamMeter& teamMeter() {
+  static TeamMeter meter;
+  return meter;
+}
+
 int teamGiven(int wanted) {
   int given = 1;
 #pragma omp parallel num_threads(wanted)

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/threads.hpp"
 
 namespace nanoweft {
 
@@ -59,7 +60,7 @@ void ListKeeper::makePairLists(State& state, const Domain& domain, const CellInd
   startDrawing(state);
   reference_.resize(3 * static_cast<std::size_t>(state.owned()));
   if (span_ > 0) axes_.resize(reference_.size());
-#pragma omp parallel for num_threads(static_cast <int>(shares_.size()))
+#pragma omp parallel for num_threads(teamOf(shares_.size()))
   for (int i = 0; i < state.owned(); ++i) noteReference(state, i);
   listed_ = reference_;
 }
@@ -130,7 +131,7 @@ void ListKeeper::shear(const Box& box, double strain) {
 bool ListKeeper::redraw(const State& state, std::optional<double> farthest) {
   // A pair that the list lacks was farther apart than reach + skin when the list was made.
   double farthest2 = 0;
-#pragma omp parallel for num_threads(static_cast <int>(shares_.size())) reduction(max : farthest2)
+#pragma omp parallel for num_threads(teamOf(shares_.size())) reduction(max : farthest2)
   for (int i = 0; i < state.owned(); ++i) {
     farthest2 = std::max(farthest2, squaredWay(state.pose + 8 * i, listed_, i));
     noteReference(state, i);

@@ -17,6 +17,7 @@
 #include "nanoweft/force/pair_reader.hpp"
 #include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/force/vdw.hpp"
+#include "nanoweft/force/vdw_range.hpp"
 
 namespace nanoweft {
 
@@ -142,6 +143,8 @@ void readVdwRange(const PairReader& read, const GivenRange& common, VdwParameter
   const GivenRange given = readOwnRange(read, "vdw", common, {"4 lambda", "6 lambda"});
   p.switchFrom = given.from.value_or(read.touch() + 4.0 * p.length);
   p.cutoff = given.to.value_or(read.touch() + 6.0 * p.length);
+  if (read.accuracy && !read.mixed() && read.is("vdw") && !given.from && !given.to)
+    setRangeByAccuracy(*read.accuracy, restOf(p) * p.length, p);
   if (read.is("vdw") && p.cutoff <= p.switchFrom)
     throw InputError(
         !read.a.kind.empty()
@@ -178,7 +181,8 @@ void readAccuracy(PairReader& read) {
   read.accuracy = s.maybeReal(
       "pair_accuracy", "none", "",
       "largest rms error of forces in a bundle and at a crossing, over their rms; chooses "
-      "-pair_points and far points (between kinds they follow from the laws' widths)",
+      "-pair_points, far points and the range of vdw (between kinds they follow from the laws' "
+      "widths)",
       {1e-6, 1.0});
 }
 
@@ -221,8 +225,9 @@ PairTraits traitsOf(const PairReader& read, const Law& law, double restDistance,
           width};
 }
 
+/// `lost`: share of a bundle's cohesion.
 std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& p, double rest,
-                                   const PairChoice& choice) {
+                                   double lost, const PairChoice& choice) {
   const Vdw law(p.of(choice.length, unequalRadii(read.a.radius, read.b.radius)));
   if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
     throw InputError(read.prefix.empty()
@@ -233,11 +238,13 @@ std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& 
                                   p.switchFrom - read.touch(), law.restDistance() - read.touch(),
                                   read.units.length));
   const char *length = read.units.length, *energy = read.units.energy;
+  const std::string taken =
+      read.mixed() ? "" : format(", which takes %.2g %% of a bundle's cohesion", 100 * lost);
   const std::string description = format(
       "vdw %s, eps %.5g %s, A %g, B %g, alpha %g, beta %g, lambda %.4g %s, k %.4g %s/%s^2, "
-      "rest distance %.6g %s, range %.6g to %.6g %s%s",
+      "rest distance %.6g %s, range %.6g to %.6g %s%s%s",
       p.smooth ? "smooth" : "kink", p.epsilon, energy, p.a, p.b, p.alpha, p.beta, p.length, length,
-      p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length,
+      p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length, 100 * lost,
       choice.single ? ", single precision" : "");
   const LawWidth width{lawWidth(rest, read.a, read.b), nearSpacing};
   return makePairForce(law.table(), traitsOf(read, law, rest, width, description), choice);
@@ -321,7 +328,8 @@ std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
     const double rest = restOf(vdw) * vdw.length;
     const PointNeed need{rest, {lawWidth(rest, read.a, read.b), nearSpacing}, vdw.switchFrom};
     choice.points = readPoints(read, need);
-    keep(need, choice, [&](const PairChoice& c) { return makeVdw(read, vdw, rest, c); });
+    const double lost = cohesionLost(vdw, rest);
+    keep(need, choice, [&](const PairChoice& c) { return makeVdw(read, vdw, rest, lost, c); });
   }
   const PointNeed soft{read.touch(), {lawWidth(read.touch(), read.a, read.b), softSpacing}};
   choice.points = read.is("vdw") ? nearPoints(read, soft) : readPoints(read, soft);

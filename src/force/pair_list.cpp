@@ -144,7 +144,7 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
   OrderedSegments segments(order.size());
   start(shares);
 
-#pragma omp parallel for num_threads(static_cast <int>(shares.size()))
+#pragma omp parallel for num_threads(teamOf(shares.size()))
   for (std::size_t k = 0; k < order.size(); ++k)
     segments.set(k, order[k], state.position(order[k]));
   onShares(shares.size(), [&](std::size_t t) {

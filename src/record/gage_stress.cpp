@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/bond_geometry.hpp"
 #include "nanoweft/record/carriers.hpp"
 #include "nanoweft/record/interactions.hpp"
@@ -109,7 +110,7 @@ Virial virialIn(const State& state, const Domain& domain, const ForceField& forc
       static_cast<std::size_t>(Carriers{forces.kinds().count()}.count()),
       DyadSum{forces.energyUnit(), {}});
   Virial total{zero, volume};
-#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(threads))
+#pragma omp parallel for schedule(static, 1) num_threads(teamOf(threads))
   for (std::size_t t = 0; t < threads; ++t) {
     std::vector<DyadSum> own = zero;
     addVirial(state, domain, forces, gage, t, own);

@@ -1,6 +1,7 @@
 #include "nanoweft/record/segment_fields.hpp"
 
 #include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/bond_geometry.hpp"
 #include "nanoweft/record/interactions.hpp"
 
@@ -71,7 +72,7 @@ std::vector<SegmentField> segmentFields(const State& state, const Domain& domain
   std::vector<ExactSum> pairEnergy(forces.pairs() ? fields[pair].values.size() : 0);
   const SumUnit& unit = forces.energyUnit();
   const auto& shares = forces.shares();
-#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(shares.size()))
+#pragma omp parallel for schedule(static, 1) num_threads(teamOf(shares.size()))
   for (std::size_t t = 0; t < shares.size(); ++t) {
     const Share share = shares[t];
     for (int i = share.begin; i < share.end; ++i) setBondFields(state, domain, forces, i, fields);

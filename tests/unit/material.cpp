@@ -14,6 +14,7 @@
 #include "nanoweft/force/pair_forces.hpp"
 #include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/force/vdw.hpp"
+#include "nanoweft/force/vdw_range.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -226,6 +227,44 @@ TEST(ForceError, AnAccuracyThatIsAskedForChoosesThePoints) {
   const auto hertz = pairOf("-pair hertz -pair_accuracy 0.05", nanoUnits());
   EXPECT_LE(expectedForceErrors(*hertz, tube).value().larger(), 0.025);
   EXPECT_FALSE(hertz->points().split());
+}
+
+TEST(Range, LosesThatMuchOfABundlesCohesion) {
+  const double rest = 17.343571;
+  auto lost = [&](double switchFrom, double cutoff) {
+    VdwParameters law;
+    law.switchFrom = switchFrom;
+    law.cutoff = cutoff;
+    return cohesionLost(law, rest);
+  };
+  // Integrals along endless tubes by scipy.integrate.quad, against no cutoff at all; a law that
+  // reaches through the bundle lacks 5.4e-5 of that.
+  EXPECT_NEAR(lost(40.68, 54.24), 0.004062, 6e-5);
+  EXPECT_NEAR(lost(27.12, 33.9), 0.017450, 6e-5);
+  EXPECT_NEAR(lost(31.64, 40.68), 0.009003, 6e-5);
+  EXPECT_EQ(lost(200, 1e9), 0);
+}
+
+TEST(Range, AnAccuracyThatIsAskedForChoosesIt) {
+  auto lost = [](double cutoff) {
+    VdwParameters law;
+    law.cutoff = cutoff;
+    law.switchFrom = 13.56 + (cutoff - 13.56) * 2 / 3;
+    return cohesionLost(law, 17.343571);
+  };
+  for (const double accuracy : {0.2, 0.1, 0.05, 0.02, 0.01}) {
+    const double cutoff =
+        pairOf("-pair_accuracy " + std::to_string(accuracy), nanoUnits())->cutoff();
+    EXPECT_LE(lost(cutoff), accuracy / 5) << accuracy;
+    // It goes farther by at most two lambda at a time.
+    if (accuracy < 0.2) {
+      EXPECT_GT(lost(cutoff - 2 * 6.78), accuracy / 5) << accuracy;
+    }
+  }
+  const auto given = pairOf("-pair_accuracy 0.1 -pair_switch 30 -pair_cutoff 44", nanoUnits());
+  EXPECT_EQ(given->cutoff(), 44);
+  // One of the two given: the other has its default.
+  EXPECT_EQ(pairOf("-pair_accuracy 0.1 -pair_cutoff 60", nanoUnits())->cutoff(), 60);
 }
 
 TEST(ForceError, AnAccuracyTakesSinglePrecisionWhereThatPays) {

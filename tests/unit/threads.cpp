@@ -2,9 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 #include <vector>
 
+#include "nanoweft/base/random.hpp"
+#include "nanoweft/base/team_size.hpp"
 #include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/overlap.hpp"
 
@@ -46,6 +51,86 @@ TEST(Threads, AnExceptionComesOutOfTheTeam) {
                         }),
                std::bad_alloc);
   expectEachShareOnce(4);
+}
+
+TEST(Threads, EachShareIsDoneOnceByASmallerTeam) {
+  const int before = std::exchange(teamMeter().most, 2);
+  expectEachShareOnce(5);
+  std::atomic<int> team = 0;
+  onShares(5, [&](std::size_t) { team = omp_get_num_threads(); });
+  EXPECT_LE(team, 2);
+  teamMeter().most = before;
+}
+
+TEST(Threads, TheTimeOfTeamsIsCountedOnce) {
+  const double before = teamMeter().seconds, begin = omp_get_wtime();
+  onShares(2, [&](std::size_t) {
+    onShares(2, [](std::size_t) { std::this_thread::sleep_for(std::chrono::milliseconds(20)); });
+  });
+  const double counted = teamMeter().seconds - before;
+  EXPECT_GE(counted, 0.02);
+  EXPECT_LE(counted, omp_get_wtime() - begin);
+}
+
+/// Cores of which other programs take some, all of equal rank: a team of more threads than there
+/// are free cores goes at the speed of threads that share a core.
+struct Machine {
+  int cores, taken;
+
+  double cost(int team) const { return (team > cores - taken ? 2.0 : 1.0) / team; }
+  double delay(int team) const { return team > cores - taken ? 0.5 / team : 0.0; }
+  /// Mean team over so many seconds.
+  double run(TeamTrials& trials, double seconds) const {
+    double sum = 0;
+    for (double t = 0; t < seconds; t += 0.1) {
+      const int team = trials.size();
+      sum += 0.1 * team;
+      trials.note(cost(team), delay(team), 0.1);
+    }
+    return sum / seconds;
+  }
+};
+
+TEST(TeamSize, StaysWhereNobodyDisturbs) {
+  TeamTrials trials(4);
+  for (int k = 0; k < 1000; ++k) {
+    EXPECT_EQ(trials.size(), 4);
+    trials.note(1.0 + 0.5 * uniformPair(1, Purpose::errorEstimate, k, 0)[0], 0.09, 0.1);
+  }
+}
+
+TEST(TeamSize, ShrinksBesideOthersAndGrowsAgain) {
+  TeamTrials trials(4);
+  const Machine busy{4, 1}, quiet{4, 0};
+  EXPECT_NEAR(busy.run(trials, 100), 3, 0.1);
+  EXPECT_EQ(trials.size(), 3);
+  quiet.run(trials, 31);  // the longest time between trials
+  EXPECT_EQ(trials.size(), 4);
+  EXPECT_NEAR(busy.run(trials, 100), 3, 0.1);
+}
+
+TEST(TeamSize, KeepsAllWhereFewerAreNoFaster) {
+  // Somebody takes a fifth of one core.
+  TeamTrials trials(2);
+  int least = 2, tried = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const int team = trials.size();
+    least = std::min(least, team);
+    tried += team < 2;
+    trials.note(team == 2 ? 0.6 : 1.0, team == 2 ? 0.15 : 0.0, 0.1);
+  }
+  EXPECT_EQ(least, 1);
+  EXPECT_LE(tried, 12);
+}
+
+TEST(TeamSize, NeverLeavesItsBounds) {
+  TeamTrials trials(3);
+  for (int k = 0; k < 5000; ++k) {
+    trials.note(uniformPair(1, Purpose::errorEstimate, k, 0)[0],
+                uniformPair(2, Purpose::errorEstimate, k, 0)[0], 0.3);
+    ASSERT_GE(trials.size(), 1);
+    ASSERT_LE(trials.size(), 3);
+  }
 }
 
 TEST(Overlap, DistanceOfStraightPieces) {

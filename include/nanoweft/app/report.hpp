@@ -14,7 +14,7 @@ struct Clock {
   double wall, time;
   std::int64_t step, resolved;
 };
-/// `end`: with energies. Collective.
-void printSummary(const RunParts& parts, const Moment& end, const Clock& clock);
+/// `end`: with energies; `team`: threads that worked, on average. Collective.
+void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, double team);
 
 }  // namespace nanoweft

@@ -33,7 +33,8 @@ struct RunSettings {
   double skin = 0;
   bool allowOverlap = false;
   PartitionSettings partition;
-  int lateFrom = 128;  ///< ranks that may hear of each other a step late
+  int lateFrom = 128;       ///< ranks that may hear of each other a step late
+  bool allThreads = false;  ///< also where other programs take their cores
   std::uint64_t seed = 1;
   double perturb = 0;
   bool startUnchecked = false;  ///< bonds far from rest do not end the run

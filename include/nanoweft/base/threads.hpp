@@ -5,10 +5,36 @@
 #include <mpi.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <limits>
+#include <optional>
 
 namespace nanoweft {
+
+/// The teams of this process, outside of other teams.
+struct TeamMeter {
+  int most = std::numeric_limits<int>::max();  ///< threads of a team (TeamSize)
+  double seconds = 0;                          ///< for which teams have worked
+};
+TeamMeter& teamMeter();
+/// Threads for so many shares.
+inline int teamOf(std::size_t shares) {
+  return static_cast<int>(std::min(shares, static_cast<std::size_t>(teamMeter().most)));
+}
+
+/// Adds its lifetime to the meter.
+class TeamClock {
+ public:
+  TeamClock() : begin_(omp_get_wtime()) {}
+  ~TeamClock() { teamMeter().seconds += omp_get_wtime() - begin_; }
+  TeamClock(const TeamClock&) = delete;
+  TeamClock& operator=(const TeamClock&) = delete;
+
+ private:
+  double begin_;
+};
 
 /// Calls `work(share)` once for each 0 <= share < count, each on a thread of its own where the
 /// runtime gives `count` threads. When `work` throws, its thread leaves out its remaining shares,
@@ -17,7 +43,9 @@ namespace nanoweft {
 template <class Work>
 void onShares(std::size_t count, const Work& work) {
   std::exception_ptr failure;
-#pragma omp parallel num_threads(static_cast <int>(count))
+  std::optional<TeamClock> clock;
+  if (!omp_in_parallel()) clock.emplace();
+#pragma omp parallel num_threads(teamOf(count))
   {
     const auto team = static_cast<std::size_t>(omp_get_num_threads());
     try {

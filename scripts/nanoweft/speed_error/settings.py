@@ -77,10 +77,10 @@ def all_settings(quick, single):
                 options = dict(DEFAULT, pair_points=n, pair_far_points=m,
                                pair_far_from=begin * LENGTH)
                 made.append(Setting("far points", f"{n}, {m} beyond {begin}T", options))
-    asked = {k: v for k, v in DEFAULT.items() if k != "pair_points"}
     for accuracy in pick((0.1, 0.05, 0.02, 0.01), (0.05,)):
         made.append(Setting("accuracy", f"to {accuracy:g}",
-                            dict(asked, pair_accuracy=accuracy, pair_precision="double")))
+                            {"vdw_splice": "smooth", "pair_accuracy": accuracy,
+                             "pair_precision": "double"}))
     for times in pick((0.5, 1, 2, 4), (1, 2)):
         options = dict(DEFAULT, pair_points=POINTS_OF_LENGTH[times])
         made.append(Setting("length", f"{times} x 2 rf", options, length=times * LENGTH))

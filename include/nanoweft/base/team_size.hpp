@@ -1,0 +1,55 @@
+/// How many of its threads a rank lets work while other programs use the same cores.
+///
+/// A team waits for its slowest thread, so that one thread without a core holds all others up, and
+/// a smaller team may be faster. Shares of the work stay as they are, so results do not depend on
+/// the size.
+#pragma once
+
+namespace nanoweft {
+
+/// Finds the size by trying: what one size costs beside the next smaller or larger one.
+class TeamTrials {
+ public:
+  explicit TeamTrials(int most) : most_(most), size_(most) {}
+
+  int most() const { return most_; }
+  int size() const { return size_; }
+
+  /// Is this a trial, and so dear that nothing more need be measured?
+  bool hopeless(double cost) const { return settled_ > 0 && cost > 2.0 * cost_; }
+  /// Takes what was measured with the present size and chooses the next one. `cost`: time of a
+  /// step; `delay`: share of that time for which a thread had work but no core; `seconds`: how long
+  /// was measured.
+  void note(double cost, double delay, double seconds);
+
+ private:
+  int most_, size_;
+  int settled_ = 0;  ///< size before the trial; 0: there is none
+  double cost_ = 0;  ///< of that size
+  double held_ = 0, hold_ = shortestHold;
+
+  static constexpr double shortestHold = 0.5, longestHold = 30;  ///< seconds between trials
+};
+
+/// The same for the teams of this process (onShares). Measures; keeps `most` threads where `fixed`
+/// or where the system does not tell how long threads waited for a core.
+class TeamSize {
+ public:
+  TeamSize(int most, bool fixed);
+
+  /// To be called after each step.
+  void noteStep();
+  /// Size of the teams, in the mean over the time of their work.
+  double mean() const;
+
+ private:
+  void startWindow();
+
+  bool fixed_;
+  TeamTrials trials_;
+  long steps_ = 0;
+  double begin_ = 0, delayed_ = 0;          ///< at the start of what is being measured
+  double threadSeconds_ = 0, seconds_ = 0;  ///< of all that has been measured
+};
+
+}  // namespace nanoweft
