@@ -55,6 +55,20 @@ def along(position: Array) -> Array:
     return np.asarray(q / np.linalg.norm(q, axis=1)[:, None])
 
 
+def carried(axes: Array) -> Array:
+    """Orientations with these axes [fibres, segments, 3], each turned on from the one before it
+    by the least angle, so that fibres are not twisted. Neighbours must not be opposite."""
+    start = np.repeat([[1.0, 0.0, 0.0]], len(axes), axis=0)
+    q = np.empty((*axes.shape[:2], 4))
+    for k in range(axes.shape[1]):
+        before = axes[:, k - 1] if k else start
+        turn = np.column_stack([1 + (before * axes[:, k]).sum(axis=1),
+                                np.cross(before, axes[:, k])])
+        turn /= np.linalg.norm(turn, axis=1)[:, None]
+        q[:, k] = multiply(turn, q[:, k - 1]) if k else turn
+    return q
+
+
 def scalar_last(quaternion: Array, axis: str) -> Array:
     """(w, x, y, z) to (x, y, z, w), first turned so that the body's `axis` (x or z)
     is the fibre's axis."""

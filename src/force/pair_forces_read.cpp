@@ -244,7 +244,7 @@ std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& 
       "vdw %s, eps %.5g %s, A %g, B %g, alpha %g, beta %g, lambda %.4g %s, k %.4g %s/%s^2, "
       "rest distance %.6g %s, range %.6g to %.6g %s%s%s",
       p.smooth ? "smooth" : "kink", p.epsilon, energy, p.a, p.b, p.alpha, p.beta, p.length, length,
-      p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length, 100 * lost,
+      p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length, taken.c_str(),
       choice.single ? ", single precision" : "");
   const LawWidth width{lawWidth(rest, read.a, read.b), nearSpacing};
   return makePairForce(law.table(), traitsOf(read, law, rest, width, description), choice);

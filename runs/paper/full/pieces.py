@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+"""Keeps a fabric of hours in a file of a megabyte: pieces.py pack STATE.h5 FILE.npz, and
+pieces.py unpack FILE.npz STATE.h5.
+
+Packed are the places of the segments, to 0.01 A. Fibres are smooth, so that the second differences
+along them are small numbers, which compress well. Axes follow from the places; velocities, twist
+and broken bonds are not kept, so that it is for fabrics at rest without breaks.
+"""
+import argparse
+import pathlib
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
+from nanoweft import generators, rotations, states  # noqa: E402
+from nanoweft.problems import Unusable  # noqa: E402
+
+STEP = 0.01  # A
+
+
+def pack(source: pathlib.Path, target: pathlib.Path) -> None:
+    """Writes the places of all fibres of a state, which are of one length and kind."""
+    state = states.read(source)
+    fibre = state["fibre"]
+    count = len(np.unique(fibre))
+    if len(fibre) % count or (np.diff(fibre.reshape(count, -1), axis=1) != 0).any():
+        raise Unusable(f"{source}: its fibres are not all of one length")
+    if "bond_broken" in state and state["bond_broken"].any():
+        raise Unusable(f"{source}: has broken bonds")
+    places = np.rint(state["position"] / STEP).astype(np.int64).reshape(count, -1, 3)
+    bends = np.diff(places, n=2, axis=1)
+    if abs(bends).max() >= 2 ** 15:
+        raise Unusable(f"{source}: is not at rest")
+    np.savez_compressed(
+        target, step=STEP, time=state.time, lower=state.lower, upper=state.upper,
+        periodic=state.periodic, first=places[:, :2].astype(np.int32),
+        # A plane for each byte of each component: like numbers beside each other.
+        bends=np.ascontiguousarray(bends.astype(np.int16).transpose(2, 0, 1)).view(np.uint8)
+        .reshape(3, -1, 2).transpose(0, 2, 1).copy())
+
+
+def unpack(source: pathlib.Path, target: pathlib.Path) -> None:
+    """Writes the state file, at rest, with axes along the fibres."""
+    packed = np.load(source)
+    first, bends = packed["first"].astype(np.int64), packed["bends"]
+    bends = np.ascontiguousarray(bends.transpose(0, 2, 1)).view(np.int16)
+    bends = bends.reshape(3, len(first), -1).transpose(1, 2, 0).astype(np.int64)
+    steps = np.cumsum(np.concatenate([first[:, 1:] - first[:, :1], bends], axis=1), axis=1)
+    places = np.concatenate([first[:, :1], first[:, :1] + np.cumsum(steps, axis=1)], axis=1)
+    places = places * float(packed["step"])
+    axes = np.stack([rotations.matrices(generators.unsheared(x))[:, :, 0] for x in places])
+    fibres = list(zip(places, rotations.carried(axes)))
+    states.write(target, states.of_fibres(fibres, packed["lower"], packed["upper"],
+                                          packed["periodic"]))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split(":")[0])
+    parser.add_argument("what", choices=("pack", "unpack"))
+    parser.add_argument("source", type=pathlib.Path)
+    parser.add_argument("target", type=pathlib.Path)
+    words = parser.parse_args()
+    try:
+        (pack if words.what == "pack" else unpack)(words.source, words.target)
+    except (Unusable, OSError) as problem:
+        sys.exit(f"pieces: {problem}")
+
+
+if __name__ == "__main__":
+    main()

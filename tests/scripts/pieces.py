@@ -1,0 +1,69 @@
+"""Tests of runs/paper/full/pieces.py: python3 pieces.py RUNS"""
+import os
+import sys
+import unittest
+
+import numpy as np
+from support import FolderTest, read_state, write_state
+
+
+class Pieces(FolderTest):
+    """Three fibres of one length, coiled as helices are, so that carried axes matter."""
+
+    def write(self, name, fibres=3, segments=40, **more):
+        s = 13.56 * np.arange(segments)
+        radius, pitch = 60.0, 300.0
+        turn = s / np.hypot(radius, pitch / (2 * np.pi))
+        x = np.stack([radius * np.cos(turn), radius * np.sin(turn), pitch / (2 * np.pi) * turn], 1)
+        write_state(self.path(name), [x + (200.0 * k, 0, 0) for k in range(fibres)], time=500.0,
+                    **more)
+
+    def pieces(self, *words):
+        return self.run_program(os.path.join(runs, "paper/full/pieces.py"), *words)
+
+    def test_come_back(self):
+        self.write("a.h5")
+        for words in (("pack", "a.h5", "a.npz"), ("unpack", "a.npz", "b.h5")):
+            done = self.pieces(*words)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+        before, after = read_state(self.path("a.h5")), read_state(self.path("b.h5"))
+        # Rounded to 0.01 A.
+        self.assertLess(np.abs(before["position"] - after["position"]).max(), 0.00501)
+        for name in "fibre", "index":
+            self.assertTrue((before[name] == after[name]).all())
+        self.check_axes(after["position"].reshape(3, 40, 3), after["orientation"].reshape(3, 40, 4))
+        self.assertLess(os.path.getsize(self.path("a.npz")), 0.2 * before["position"].nbytes + 3000)
+
+    def check_axes(self, x, q):
+        """Axes of neighbours have the chord between them as their mean; no bond is twisted."""
+        w, v = q[..., :1], q[..., 1:]
+        axis = np.concatenate([1 - 2 * (v[..., 1:2] ** 2 + v[..., 2:] ** 2),
+                               2 * (v[..., :1] * v[..., 1:2] + w * v[..., 2:]),
+                               2 * (v[..., :1] * v[..., 2:] - w * v[..., 1:2])], -1)
+        chord = np.diff(x, axis=1)
+        chord /= np.linalg.norm(chord, axis=-1)[..., None]
+        mean = axis[:, 1:] + axis[:, :-1]
+        mean /= np.linalg.norm(mean, axis=-1)[..., None]
+        self.assertLess(np.abs(mean - chord)[:, 3:-3].max(), 2e-3)
+        # The turn from one to the next: the vector part of q2 q1*.
+        (w1, v1), (w2, v2) = ((q[:, k, :1], q[:, k, 1:]) for k in (slice(0, -1), slice(1, None)))
+        turn = w1 * v2 - w2 * v1 - np.cross(v2, v1)
+        along = (turn * mean).sum(axis=-1)
+        self.assertLess(np.abs(along).max(), 1e-9)
+        self.assertGreater(np.linalg.norm(turn, axis=-1).max(), 0.05)
+
+    def test_refusals(self):
+        torn = np.zeros(120, np.int8)
+        torn[5] = 1
+        self.write("torn.h5", bond_broken=torn)
+        for name, words in (("torn.h5", "torn.h5: has broken bonds"),
+                            ("missing.h5", "missing.h5")):
+            done = self.pieces("pack", name, "no.npz")
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertIn(words, done.stderr)
+            self.assertFalse(os.path.exists(self.path("no.npz")))
+
+
+runs = sys.argv.pop(1)
+unittest.main()
