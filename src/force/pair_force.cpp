@@ -37,7 +37,8 @@ class PairForceOf final : public PairForce {
     length_ = choice.length;
     cutoff_ = traits.cutoff;
     auto reachOf = [&](double cutoff, Both<int> n) {
-      return cutoff + 0.5 * (length_.i * (n.i - 1) / n.i + length_.j * (n.j - 1) / n.j);
+      const Both<double> from = outermost(n, length_);
+      return cutoff + (from.i + from.j);
     };
     reach_ = reachOf(cutoff_, points_.far);
     if (points_.split()) {
@@ -193,8 +194,7 @@ void PairForce::setUnits(double largest, double length) {
 }
 
 Both<double> PairForce::pointSpan() const {
-  const Both<int> n = points_.near;
-  return {0.5 * length_.i * (n.i - 1) / n.i, 0.5 * length_.j * (n.j - 1) / n.j};
+  return outermost(points_.near, length_);
 }
 
 std::unique_ptr<PairForce> makePairForce(const PairTable& law, const PairTraits& traits,

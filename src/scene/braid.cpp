@@ -112,7 +112,7 @@ std::unique_ptr<Scene> makeBraidScene(Options& options, const SceneContext& cont
   const double wide = 2.0 * scale * braid.wide + thick, high = 2.0 * scale * braid.high + thick,
                section = braid.flat() ? wide * high : tubeSection(scale * braid.wide, high);
   laying.space = section * (first.points.back().x - first.points.front().x + mix->fibre(0).length);
-  laying.also = format("both in the %s, %d strands of %d, lay %.5g %s, %.4g %s wide",
+  laying.also = format("counted in the %s, %d strands of %d, lay %.5g %s, %.4g %s wide",
                        braid.flat() ? "flat bar around it" : "tube that it lies in", strands,
                        filaments, braid.lay, unit, wide, unit);
   laying.shaped = shaped;

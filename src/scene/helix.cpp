@@ -52,9 +52,9 @@ std::unique_ptr<Scene> makeHelixScene(Options& options, const SceneContext& cont
                radius, pitch, found, mix->widest(), unit));
   const double height = mix->length(segments) / turn * pitch, thick = mix->widest();
   laying.space = tubeSection(radius, thick) * height;
-  laying.also =
-      format("both in the tube that the wires lie in, %d segments each, %.4g turns, height %.5g %s",
-             segments, mix->length(segments) / turn, height, unit);
+  laying.also = format(
+      "counted in the tube that the wires lie in, %d segments each, %.4g turns, height %.5g %s",
+      segments, mix->length(segments) / turn, height, unit);
   laying.shaped = shaped;
   return layScene(context, std::move(laying));
 }

@@ -82,7 +82,8 @@ std::unique_ptr<Scene> makeRacketScene(Options& options, const SceneContext& con
   };
   laying.space = gap * areaWithin(laying.line(0), gap, length);
   laying.also = format(
-      "both in the plate within its outline, loop of %.5g %s, radius %.5g %s, handle of two arms "
+      "counted in the plate within its outline, loop of %.5g %s, radius %.5g %s, handle of two "
+      "arms "
       "of %.5g %s",
       loop, context.units.length, low, context.units.length, 0.5 * (length - loop),
       context.units.length);

@@ -29,8 +29,8 @@ class Pieces(FolderTest):
         before, after = read_state(self.path("a.h5")), read_state(self.path("b.h5"))
         # Rounded to 0.01 A.
         self.assertLess(np.abs(before["position"] - after["position"]).max(), 0.00501)
-        for name in "fibre", "index":
-            self.assertTrue((before[name] == after[name]).all())
+        for name in "fibre", "index", "lower", "upper", "periodic", "time":
+            self.assertTrue((before[name] == after[name]).all(), name)
         self.check_axes(after["position"].reshape(3, 40, 3), after["orientation"].reshape(3, 40, 4))
         self.assertLess(os.path.getsize(self.path("a.npz")), 0.2 * before["position"].nbytes + 3000)
 

@@ -27,16 +27,18 @@ struct DrawnPairs {
   std::vector<Ends> ends;
 };
 
+/// Places of the outermost points of two segments, from the centres.
+inline Both<double> outermost(Both<int> points, Both<double> length) {
+  return {0.5 * length.i * (points.i - 1) / points.i, 0.5 * length.j * (points.j - 1) / points.j};
+}
+
 /// The near part of a law that is split: it acts between points, up to a distance.
 struct NearRange {
   double cutoff = 0;  ///< 0: the law is not split
   Both<int> points = 0;
   Both<double> length = 0;  ///< of the segments
 
-  /// Places of the outermost points, from the centres.
-  Both<double> span() const {
-    return {0.5 * length.i * (points.i - 1) / points.i, 0.5 * length.j * (points.j - 1) / points.j};
-  }
+  Both<double> span() const { return outermost(points, length); }
 };
 
 struct DrawRanges {

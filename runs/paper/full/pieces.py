@@ -51,8 +51,9 @@ def unpack(source: pathlib.Path, target: pathlib.Path) -> None:
     places = places * float(packed["step"])
     axes = np.stack([rotations.matrices(generators.unsheared(x))[:, :, 0] for x in places])
     fibres = list(zip(places, rotations.carried(axes)))
-    states.write(target, states.of_fibres(fibres, packed["lower"], packed["upper"],
-                                          packed["periodic"]))
+    state = states.of_fibres(fibres, packed["lower"], packed["upper"], packed["periodic"])
+    state.time = float(packed["time"])
+    states.write(target, state)
 
 
 def main() -> None:
