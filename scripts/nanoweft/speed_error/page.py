@@ -86,7 +86,7 @@ ACCURACY = """
 `-pair_accuracy 0.02`: the program chooses points, far points and the place of the split by its own estimate of the error, in a
 bundle and where fibres cross, and the range by the cohesion it takes from a bundle. Measured against 24 points everywhere and 6 T to 7 T, in a weave and a film 4 and 2 ps after they were let go, in a bundle and in a
 ring of three windings: rms errors of forces over the rms of the pair forces. Times are those of `-pair_precision double`. Without it a build for
-AVX-512 takes single precision (below): 0.89 and 0.79 of the time of `5, 1 beyond 2T`.
+AVX-512 takes single precision (below).
 """
 
 PRECISION = """
