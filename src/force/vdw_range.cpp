@@ -7,6 +7,8 @@
 #include <map>
 #include <vector>
 
+#include "nanoweft/base/error.hpp"
+
 namespace nanoweft {
 
 namespace {
@@ -70,11 +72,15 @@ double cohesionLost(const VdwParameters& law, double rest) {
 
 void setRangeByAccuracy(double accuracy, double rest, VdwParameters& law) {
   const double whole = cohesion(wide(law, rest), rest), least = 1.0 - accuracy / 5;
-  // In units of lambda; the widest one loses less than a thousandth.
+  // In units of lambda; with the default exponents the widest one loses less than a thousandth.
   for (const double gap : {2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 16.0}) {
     setRange(gap, law);
     if (law.switchFrom > rest && cohesion(law, rest) / whole >= least) return;
   }
+  throw InputError(
+      format("-pair_accuracy %g: not reached with a range of 16 lambda, which takes %.2g %% of a "
+             "bundle's cohesion; give -pair_gap_switch and -pair_gap_cutoff",
+             accuracy, 100 * cohesionLost(law, rest)));
 }
 
 }  // namespace nanoweft

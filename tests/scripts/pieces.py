@@ -56,13 +56,15 @@ class Pieces(FolderTest):
         torn = np.zeros(120, np.int8)
         torn[5] = 1
         self.write("torn.h5", bond_broken=torn)
-        for name, words in (("torn.h5", "torn.h5: has broken bonds"),
-                            ("missing.h5", "missing.h5")):
-            done = self.pieces("pack", name, "no.npz")
+        for what, name, words in (("pack", "torn.h5", "torn.h5: has broken bonds"),
+                                  ("pack", "missing.h5", "missing.h5"),
+                                  ("unpack", "missing.npz", "missing.npz"),
+                                  ("unpack", "torn.h5", "torn.h5: was not packed")):
+            done = self.pieces(what, name, "no")
             self.assertEqual(done.returncode, 1)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
             self.assertIn(words, done.stderr)
-            self.assertFalse(os.path.exists(self.path("no.npz")))
+            self.assertEqual(os.listdir(self.folder), ["torn.h5"])
 
 
 runs = sys.argv.pop(1)

@@ -263,6 +263,8 @@ TEST(Range, AnAccuracyThatIsAskedForChoosesIt) {
   }
   const auto given = pairOf("-pair_accuracy 0.1 -pair_switch 30 -pair_cutoff 44", nanoUnits());
   EXPECT_EQ(given->cutoff(), 44);
+  // A law that falls so slowly has no range.
+  EXPECT_THROW(pairOf("-pair_accuracy 0.1 -vdw_beta 1", nanoUnits()), InputError);
   // One of the two given: the other has its default.
   EXPECT_EQ(pairOf("-pair_accuracy 0.1 -pair_cutoff 60", nanoUnits())->cutoff(), 60);
 }

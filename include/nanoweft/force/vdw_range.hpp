@@ -11,7 +11,8 @@ double cohesionLost(const VdwParameters& law, double rest);
 
 /// Gives the law the shortest range that loses at most a fifth of `accuracy` of the cohesion: a
 /// loss is the same everywhere, while errors of single segments cancel. The switch begins at two
-/// thirds of the gap at the cutoff, as by default.
+/// thirds of the gap at the cutoff, as by default. Throws InputError where 16 lambda are not
+/// enough.
 void setRangeByAccuracy(double accuracy, double rest, VdwParameters& law);
 
 }  // namespace nanoweft

@@ -66,6 +66,8 @@ def main() -> None:
         (pack if words.what == "pack" else unpack)(words.source, words.target)
     except (Unusable, OSError) as problem:
         sys.exit(f"pieces: {problem}")
+    except (ValueError, KeyError):
+        sys.exit(f"pieces: {words.source}: was not packed by this program")
 
 
 if __name__ == "__main__":
