@@ -135,7 +135,9 @@ class ContactSum {
 
   /// Friction between two segments.
   void rub(std::int32_t i, std::int32_t j) {
-    auto& [state, history, advance] = *job_.friction;
+    State& state = job_.friction->state;
+    ContactHistory& history = job_.friction->history;
+    const double advance = job_.friction->advance;
     auto ends = [&](std::int32_t k) {
       const int bits = state.freeEnds(k);
       return FreeEnds<double>{static_cast<double>(bits & 1), static_cast<double>(bits >> 1)};

@@ -19,10 +19,11 @@ struct Wave {
   std::uint64_t seed = 0;
 
   Curve curve(std::int64_t fibre, const Vec3d& foot) const {
-    const auto [a, b] = uniformPair(seed, Purpose::sceneShape, fibre, 0);
-    const Vec3d side{amplitude * std::cos(twoPi * a), amplitude * std::sin(twoPi * a), 0};
+    const auto draws = uniformPair(seed, Purpose::sceneShape, fibre, 0);
+    const double direction = twoPi * draws[0], phase = draws[1];
+    const Vec3d side{amplitude * std::cos(direction), amplitude * std::sin(direction), 0};
     return [=, *this](double u) {
-      return foot + Vec3d{0, 0, u} + std::sin(twoPi * (u / length + b)) * side;
+      return foot + Vec3d{0, 0, u} + std::sin(twoPi * (u / length + phase)) * side;
     };
   }
 };
