@@ -60,15 +60,15 @@ TEST(Material, SolidRoundFibre) {
 
 TEST(Random, PhiloxKnownAnswers) {
   // From the authors' Random123 distribution (kat_vectors, philox4x32 10 rounds).
-  const auto zero = philox({0, 0, 0, 0}, {0, 0});
-  EXPECT_EQ(zero,
-            (std::array<std::uint32_t, 4>{0x6627e8d5u, 0xe169c58du, 0xbc57ac4cu, 0x9b00dbd8u}));
-  const auto ones = philox({~0u, ~0u, ~0u, ~0u}, {~0u, ~0u});
-  EXPECT_EQ(ones,
-            (std::array<std::uint32_t, 4>{0x408f276du, 0x41c83b0eu, 0xa20bc7c6u, 0x6d5451fdu}));
-  const auto pi =
-      philox({0x243f6a88u, 0x85a308d3u, 0x13198a2eu, 0x03707344u}, {0xa4093822u, 0x299f31d0u});
-  EXPECT_EQ(pi, (std::array<std::uint32_t, 4>{0xd16cfe09u, 0x94fdccebu, 0x5001e420u, 0x24126ea1u}));
+  using Counter = std::array<std::uint32_t, 4>;
+  using Key = std::array<std::uint32_t, 2>;
+  const auto zero = philox(Counter{}, Key{});
+  EXPECT_EQ(zero, (Counter{0x6627e8d5u, 0xe169c58du, 0xbc57ac4cu, 0x9b00dbd8u}));
+  const auto ones = philox(Counter{~0u, ~0u, ~0u, ~0u}, Key{~0u, ~0u});
+  EXPECT_EQ(ones, (Counter{0x408f276du, 0x41c83b0eu, 0xa20bc7c6u, 0x6d5451fdu}));
+  const auto pi = philox(Counter{0x243f6a88u, 0x85a308d3u, 0x13198a2eu, 0x03707344u},
+                         Key{0xa4093822u, 0x299f31d0u});
+  EXPECT_EQ(pi, (Counter{0xd16cfe09u, 0x94fdccebu, 0x5001e420u, 0x24126ea1u}));
 }
 
 TEST(Random, NormalMoments) {

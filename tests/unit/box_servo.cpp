@@ -46,19 +46,19 @@ TEST(BoxServo, LeavesABoxAloneThatDoesNotOvershoot) {
   std::mt19937 random(1);
   std::normal_distribution<double> any;
   // Noise that the box follows looks like stiffness now and then.
-  const struct {
+  const struct Case {
     double stiffness, noise, mayDiffer;
   } cases[] = {{1, 0, 0}, {10, 0, 0}, {40, 0, 0}, {1, 0.1, 0.1}, {10, 0.1, 0.1}};
-  for (const auto& [stiffness, noise, mayDiffer] : cases) {
-    SpringBox box{stiffness};
-    box.noise = [&](int) { return noise * any(random); };
+  for (const Case& one : cases) {
+    SpringBox box{one.stiffness};
+    box.noise = [&](int) { return one.noise * any(random); };
     int differ = 0;
     for (int k = 0; k < 10000; ++k) {
       const double rate = box.follow(usual, 0.5);
       const bool same = rate == box.before / (usual.modulus * usual.time);
       if (std::abs(rate) < usual.mostRate && !same) ++differ;
     }
-    EXPECT_LE(differ, 10000 * mayDiffer) << stiffness;
+    EXPECT_LE(differ, 10000 * one.mayDiffer) << one.stiffness;
   }
 }
 
