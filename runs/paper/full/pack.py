@@ -1,14 +1,16 @@
 #!/usr/bin/python3
-"""Keeps a fabric of hours in a file of a megabyte: pieces.py pack STATE.h5 FILE.npz, and
-pieces.py unpack FILE.npz STATE.h5.
+"""Keeps a fabric of hours in a file of a megabyte: pack.py pack STATE.h5 FILE.npz, and
+pack.py unpack FILE.npz STATE.h5.
 
 Packed are the places of the segments, to 0.01 A. Fibres are smooth, so that the second differences
-along them are small numbers, which compress well. Axes follow from the places; velocities, twist
-and broken bonds are not kept, so that it is for fabrics at rest without breaks.
+along them are small numbers, which compress well. Axes follow from the places; velocities and twist
+are not kept. It is for fabrics near rest of open fibres of one length and kind, straight at rest,
+without marks, links or breaks, and refuses others.
 """
 import argparse
 import pathlib
 import sys
+import zipfile
 
 import numpy as np
 
@@ -17,17 +19,23 @@ from nanoweft import generators, rotations, states  # noqa: E402
 from nanoweft.problems import Unusable  # noqa: E402
 
 STEP = 0.01  # A
+NOT_KEPT = ("bond_broken", "kind", "group", "image", "rest_rotation", "rest_extension")
 
 
 def pack(source: pathlib.Path, target: pathlib.Path) -> None:
-    """Writes the places of all fibres of a state, which are of one length and kind."""
+    """Writes the places of all fibres of a state."""
     state = states.read(source)
+    for row in NOT_KEPT:
+        if row in state and np.any(state[row]):
+            raise Unusable(f"{source}: has {row}, which would be lost")
+    if state.units != "nano":
+        raise Unusable(f"{source}: its units are {state.units}, and places are kept in A")
+    if len(state.closed) or len(state.links) or state.tilt.any():
+        raise Unusable(f"{source}: has closed fibres, links or a tilted box, which would be lost")
     fibre = state["fibre"]
     count = len(np.unique(fibre))
     if len(fibre) % count or (np.diff(fibre.reshape(count, -1), axis=1) != 0).any():
         raise Unusable(f"{source}: its fibres are not all of one length")
-    if "bond_broken" in state and state["bond_broken"].any():
-        raise Unusable(f"{source}: has broken bonds")
     places = np.rint(state["position"] / STEP).astype(np.int64).reshape(count, -1, 3)
     bends = np.diff(places, n=2, axis=1)
     if abs(bends).max() >= 2 ** 15:
@@ -65,9 +73,9 @@ def main() -> None:
     try:
         (pack if words.what == "pack" else unpack)(words.source, words.target)
     except (Unusable, OSError) as problem:
-        sys.exit(f"pieces: {problem}")
-    except (ValueError, KeyError):
-        sys.exit(f"pieces: {words.source}: was not packed by this program")
+        sys.exit(f"pack: {problem}")
+    except (ValueError, KeyError, zipfile.BadZipFile):
+        sys.exit(f"pack: {words.source}: was not packed by this program")
 
 
 if __name__ == "__main__":

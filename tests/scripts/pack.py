@@ -1,4 +1,4 @@
-"""Tests of runs/paper/full/pieces.py: python3 pieces.py RUNS"""
+"""Tests of runs/paper/full/pack.py: python3 pack.py RUNS"""
 import os
 import sys
 import unittest
@@ -7,7 +7,7 @@ import numpy as np
 from support import FolderTest, read_state, write_state
 
 
-class Pieces(FolderTest):
+class Pack(FolderTest):
     """Three fibres of one length, coiled as helices are, so that carried axes matter."""
 
     def write(self, name, fibres=3, segments=40, **more):
@@ -18,13 +18,13 @@ class Pieces(FolderTest):
         write_state(self.path(name), [x + (200.0 * k, 0, 0) for k in range(fibres)], time=500.0,
                     **more)
 
-    def pieces(self, *words):
-        return self.run_program(os.path.join(runs, "paper/full/pieces.py"), *words)
+    def pack(self, *words):
+        return self.run_program(os.path.join(runs, "paper/full/pack.py"), *words)
 
     def test_come_back(self):
         self.write("a.h5")
         for words in (("pack", "a.h5", "a.npz"), ("unpack", "a.npz", "b.h5")):
-            done = self.pieces(*words)
+            done = self.pack(*words)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
         before, after = read_state(self.path("a.h5")), read_state(self.path("b.h5"))
         # Rounded to 0.01 A.
@@ -56,15 +56,23 @@ class Pieces(FolderTest):
         torn = np.zeros(120, np.int8)
         torn[5] = 1
         self.write("torn.h5", bond_broken=torn)
-        for what, name, words in (("pack", "torn.h5", "torn.h5: has broken bonds"),
+        self.write("marked.h5", group=np.ones(120, np.int32))
+        self.write("ring.h5", fibre_closed=np.array([1]))
+        with open(self.path("cut.npz"), "wb") as file:
+            file.write(b"PK\x03\x04 and no more")
+        there = sorted(os.listdir(self.folder))
+        for what, name, words in (("pack", "torn.h5", "torn.h5: has bond_broken, which would be"),
+                                  ("pack", "marked.h5", "marked.h5: has group"),
+                                  ("pack", "ring.h5", "ring.h5: has closed fibres"),
                                   ("pack", "missing.h5", "missing.h5"),
+                                  ("unpack", "cut.npz", "cut.npz: was not packed"),
                                   ("unpack", "missing.npz", "missing.npz"),
                                   ("unpack", "torn.h5", "torn.h5: was not packed")):
-            done = self.pieces(what, name, "no")
+            done = self.pack(what, name, "no")
             self.assertEqual(done.returncode, 1)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
             self.assertIn(words, done.stderr)
-            self.assertEqual(os.listdir(self.folder), ["torn.h5"])
+            self.assertEqual(sorted(os.listdir(self.folder)), there)
 
 
 runs = sys.argv.pop(1)
