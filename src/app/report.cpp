@@ -328,7 +328,7 @@ void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock, do
               static_cast<double>(memory) / 1024.0);
   if (const int threads = parts.team.given; team < 0.95 * threads)
     PetscPrintf(comm,
-                "threads: %.3g of %d worked on average, since other programs took cores "
+                "threads: %.3g of %d worked on average, since their cores were taken "
                 "(-threads all would wait for them)\n",
                 team, threads);
   if (end.state().ranks() == 1) return;

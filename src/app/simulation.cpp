@@ -71,7 +71,10 @@ Ending Simulation::runToEnd() {
   printHeader(*parts_, start);
   begin();
   Clock clock(start);
-  while (verdict() == Verdict::goOn) step();
+  while (verdict() == Verdict::goOn) {
+    step();
+    team_.noteStep();
+  }
   // `done` has precedence over `stop`: a run that is over needs no checkpoint to go on from.
   if (verdict() == Verdict::stop) return stopEarly();
   requireEnergies();
@@ -124,7 +127,6 @@ void Simulation::step() {
   note(outcome, view == View::energies);
   const Moment end = moment();
   for (const auto& observer : observers_) observer->observe(end);
-  team_.noteStep();
 }
 
 void Simulation::changeBetweenSteps() {

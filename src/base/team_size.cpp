@@ -61,6 +61,11 @@ TeamSize::TeamSize(int most, bool fixed)
   if (!fixed_) startWindow();
 }
 
+// What comes after in this process starts with all threads.
+TeamSize::~TeamSize() {
+  teamMeter().most = TeamMeter{}.most;
+}
+
 void TeamSize::startWindow() {
   steps_ = 0;
   begin_ = teamMeter().seconds;

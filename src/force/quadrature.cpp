@@ -8,13 +8,12 @@
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
 #include "nanoweft/force/hertz.hpp"
+#include "nanoweft/force/test_bundle.hpp"
 
 namespace nanoweft {
 
 namespace {
 
-/// Rings of fibres around the one in the middle: 61 fibres.
-constexpr int rings = 4;
 constexpr std::uint32_t samples = 30;
 /// Most point pairs of a segment with one neighbouring fibre for which the error is estimated.
 constexpr double mostPointPairs = 2e4;
@@ -117,10 +116,8 @@ class Rms {
 double errorInBundle(const Comparison& c) {
   std::vector<Vec3d> places;
   const double spacing = c.restSpacing({1, 0, 0}, {0, 1, 0});
-  for (int a = -rings; a <= rings; ++a)
-    for (int b = -rings; b <= rings; ++b)
-      if (std::abs(a + b) <= rings)
-        places.push_back({0, spacing * (a + 0.5 * b), spacing * std::sqrt(0.75) * b});
+  for (const auto& [a, b] : bundlePlaces())
+    places.push_back({0, spacing * (a + 0.5 * b), spacing * std::sqrt(0.75) * b});
   Rms rms;
   for (std::uint32_t sample = 0; sample < samples; ++sample) {
     const std::size_t own = 7 * sample % places.size();

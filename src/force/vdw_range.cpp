@@ -1,28 +1,20 @@
 #include "nanoweft/force/vdw_range.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
 #include <map>
-#include <vector>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/force/test_bundle.hpp"
 
 namespace nanoweft {
 
 namespace {
 
-/// Rings of fibres around the one in the middle: 61 fibres.
-constexpr int rings = 4;
-
 /// The pairs of the bundle: how often each square of a distance, in units of the nearest one,
 /// occurs.
 std::map<int, int> squaredDistances() {
-  std::vector<std::array<int, 2>> places;
-  for (int a = -rings; a <= rings; ++a)
-    for (int b = -rings; b <= rings; ++b)
-      if (std::abs(a + b) <= rings) places.push_back({a, b});
+  const auto places = bundlePlaces();
   std::map<int, int> count;
   for (std::size_t i = 0; i < places.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
@@ -37,9 +29,8 @@ double cohesion(const VdwParameters& parameters, double rest) {
   static const std::map<int, int> pairs = squaredDistances();
   const Vdw law(parameters);
   const double cutoff2 = parameters.cutoff * parameters.cutoff;
-  // A twentieth of the distance is a tenth of a law's width along a fibre, or less, where gaps
-  // are as wide as a tube's; the sum then has all digits that matter.
-  const double step = rest / 20;
+  // A small part of the law's width along a fibre; the sum then has all digits that matter.
+  const double step = 0.075 * std::sqrt(2.0 * rest * (rest - 2.0 * parameters.radius));
   double sum = 0;
   for (const auto& [norm, count] : pairs) {
     const double d2 = norm * rest * rest;
@@ -57,7 +48,7 @@ void setRange(double gap, VdwParameters& law) {
 
 /// The same law that reaches through the whole bundle.
 VdwParameters wide(VdwParameters law, double rest) {
-  law.switchFrom = 2.0 * law.radius + 2.0 * rings * rest;
+  law.switchFrom = 2.0 * law.radius + 2.0 * bundleRings * rest;
   law.cutoff = 1.2 * law.switchFrom;
   return law;
 }

@@ -406,4 +406,32 @@ TEST(Threads, FewerThanAskedGiveTheSameBytes) {
   }
 }
 
+TEST(Threads, GiveWayWhereTheyShareACoreAndTheBytesStay) {
+  const Folder folder;
+  // Two threads on one core pass it to and fro at each of their meetings.
+  const std::string onOneCore =
+      "taskset -pc \"$(taskset -pc $$ | sed \"s/.*: //; s/[-,].*//\")\" $$ > /dev/null; "
+      "export OMP_NUM_THREADS=2";
+  const std::string options =
+      "-weave_fibres 6,6 -weave_segments 30 -damping_local 0.4 -ts_max_steps 40000 "
+      "-progress_interval 0 -monitor_interval 4000 ";
+  auto outputs = [](const std::string& name) {
+    return "-energy_monitor ascii:" + name + ".csv -state_output " + name + ".h5";
+  };
+  ASSERT_EQ(run(folder, options + outputs("one")).status, 0);
+  const Outcome two = runAfter(folder, onOneCore, options + outputs("two"));
+  ASSERT_EQ(two.status, 0) << two.output;
+  EXPECT_NE(two.output.find("1 rank x 2 threads"), std::string::npos) << two.output;
+  EXPECT_NE(two.output.find(" of 2 worked on average, since their cores were taken"),
+            std::string::npos)
+      << two.output;
+  for (const char* file : {".csv", ".h5"})
+    EXPECT_EQ(readFile(folder / ("one" + std::string(file))),
+              readFile(folder / ("two" + std::string(file))));
+  const Outcome all =
+      runAfter(folder, onOneCore, options + "-threads all -ts_max_steps 8000 -state_output all.h5");
+  ASSERT_EQ(all.status, 0) << all.output;
+  EXPECT_EQ(all.output.find("worked on average"), std::string::npos) << all.output;
+}
+
 }  // namespace

@@ -243,6 +243,12 @@ TEST(Range, LosesThatMuchOfABundlesCohesion) {
   EXPECT_NEAR(lost(27.12, 33.9), 0.017450, 6e-5);
   EXPECT_NEAR(lost(31.64, 40.68), 0.009003, 6e-5);
   EXPECT_EQ(lost(200, 1e9), 0);
+  // Thick fibres, to which the law is narrow.
+  VdwParameters thick;
+  thick.radius = 1000;
+  thick.switchFrom = 2027.12;
+  thick.cutoff = 2040.68;
+  EXPECT_NEAR(cohesionLost(thick, 2003.783571), 0.00020267, 2e-6);
 }
 
 TEST(Range, AnAccuracyThatIsAskedForChoosesIt) {

@@ -91,6 +91,15 @@ struct Machine {
   }
 };
 
+TEST(TeamSize, LeavesAllThreadsToWhatComesAfter) {
+  {
+    const TeamSize size(2, false);
+    EXPECT_DOUBLE_EQ(size.mean(), 2);
+    teamMeter().most = 1;  // as it does where a core is taken
+  }
+  EXPECT_EQ(teamMeter().most, TeamMeter{}.most);
+}
+
 TEST(TeamSize, StaysWhereNobodyDisturbs) {
   TeamTrials trials(4);
   for (int k = 0; k < 1000; ++k) {

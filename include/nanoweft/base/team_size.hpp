@@ -32,10 +32,13 @@ class TeamTrials {
 };
 
 /// The same for the teams of this process (onShares). Measures; keeps `most` threads where `fixed`
-/// or where the system does not tell how long threads waited for a core.
+/// or where the system does not tell how long threads waited for a core. Only one at a time.
 class TeamSize {
  public:
   TeamSize(int most, bool fixed);
+  ~TeamSize();
+  TeamSize(const TeamSize&) = delete;
+  TeamSize& operator=(const TeamSize&) = delete;
 
   /// To be called after each step.
   void noteStep();
