@@ -428,8 +428,8 @@ TEST(Threads, GiveWayWhereTheyShareACoreAndTheBytesStay) {
   for (const char* file : {".csv", ".h5"})
     EXPECT_EQ(readFile(folder / ("one" + std::string(file))),
               readFile(folder / ("two" + std::string(file))));
-  const Outcome all =
-      runAfter(folder, onOneCore, options + "-threads all -ts_max_steps 20000 -state_output all.h5");
+  const Outcome all = runAfter(folder, onOneCore,
+                               options + "-threads all -ts_max_steps 20000 -state_output all.h5");
   ASSERT_EQ(all.status, 0) << all.output;
   EXPECT_EQ(all.output.find("worked on average"), std::string::npos) << all.output;
 }
