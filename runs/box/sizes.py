@@ -79,4 +79,4 @@ def main() -> None:
                    [curve.Curve("pieces", (line, np.polyval(fit, line)), (inverse, share), "fit")])
 
 
-main()
+problems.command(main)

@@ -14,6 +14,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
 from nanoweft import runs, states, tables  # noqa: E402
 from nanoweft.generators import LENGTH  # noqa: E402
+from nanoweft.problems import RunFailed, command  # noqa: E402
 from nanoweft.runs import Printed  # noqa: E402
 
 LAYERS, GAP = 8, 17.3436
@@ -27,7 +28,7 @@ BEGUN = 0.005               # strain up to which inertia of the start is in the 
 def stage(name: str, *words: str) -> str:
     done = runs.run(["-options_file", str(HERE / f"{name}.opts"), *words])
     if done.returncode:
-        sys.exit(f"measure.py: {done.stderr.strip() or done.stdout.strip()}")
+        raise RunFailed(done.stderr.strip() or done.stdout.strip())
     return done.stdout
 
 
@@ -73,4 +74,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(main)

@@ -20,6 +20,7 @@ sys.path.insert(0, str(HERE.parents[1] / "scripts"))
 from nanoweft import generators, runs, tables  # noqa: E402
 from nanoweft.arguments import count, positives  # noqa: E402
 from nanoweft.generators import LENGTH, Network  # noqa: E402
+from nanoweft.problems import RunFailed, command  # noqa: E402
 
 SHEAR = 1e-6        # so small that fibres carry no less for being compressed
 HINGED = 4.26       # links a fibre has at the onset of rigidity (README.md)
@@ -36,7 +37,7 @@ def share_left(network: Network, share: float, folder: str,
                      "-energy_monitor", f"ascii:{folder}/energy.csv",
                      "-state_output", f"{folder}/relaxed.h5", *more])
     if done.returncode:
-        sys.exit(f"measure.py: {done.stderr.strip() or done.stdout.strip()}")
+        raise RunFailed(done.stderr.strip() or done.stdout.strip())
     if "converged" not in done.stdout:
         print(f"measure.py: {network} is not at rest after -ts_max_steps", file=sys.stderr)
     elastic = tables.read(f"{folder}/energy.csv").elastic
@@ -117,4 +118,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(main)

@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 from nanoweft import states  # noqa: E402
-from nanoweft.problems import Unusable  # noqa: E402
+from nanoweft.problems import Unusable, command  # noqa: E402
 
 STIFFNESS = 916.56  # of a (10,10) tube, B1 T, eV/A
 LENGTH = 13.56  # of a segment, A
@@ -62,12 +62,9 @@ def main():
                         help="what if every tube were so many times as slack (default: 1)")
     parser.add_argument("--axis", choices="xyz", default="x")
     arguments = parser.parse_args()
-    try:
-        tubes = slack_tubes(arguments.state, "xyz".index(arguments.axis))
-    except Unusable as error:
-        sys.exit(f"independent_tubes: {error}")
+    tubes = slack_tubes(arguments.state, "xyz".index(arguments.axis))
     if not len(tubes):
-        sys.exit(f"independent_tubes: {arguments.state}: no tube is held by both grips")
+        raise Unusable(f"{arguments.state}: no tube is held by both grips")
     tubes[:, 0] *= arguments.slack
     shares = np.percentile(100 * tubes[:, 0], [0, 10, 50, 90, 100])
     print(f"{len(tubes)} tubes, slack in %: least {shares[0]:.1f}, tenth {shares[1]:.1f}, "
@@ -80,4 +77,4 @@ def main():
               f"at {100 * at:.0f} %")
 
 
-main()
+command(main)

@@ -19,6 +19,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
 from nanoweft import rotations, runs, states, tables  # noqa: E402
 from nanoweft.generators import LENGTH  # noqa: E402
+from nanoweft.problems import RunFailed, command  # noqa: E402
 
 SIDE, SEGMENTS, THICKNESS = 800.0, 40, 17.1
 STRAIN = 0.001
@@ -85,7 +86,7 @@ def stage(name: str, links: float, *words: str) -> None:
     done = runs.run(["-options_file", str(HERE / f"{name}.opts"), "-link_stiffness", stiffness,
                      *words])
     if done.returncode:
-        sys.exit(f"measure.py: {done.stderr.strip() or done.stdout.strip()}")
+        raise RunFailed(done.stderr.strip() or done.stdout.strip())
 
 
 def pulled(folder: pathlib.Path, axis: str, links: float) -> tuple[float, float]:
@@ -131,4 +132,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(main)

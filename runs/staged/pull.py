@@ -71,4 +71,4 @@ def main(results: pathlib.Path) -> None:
                             (strain, rows[:, 0]), "slope of the energy")])
 
 
-main(pathlib.Path(sys.argv[1]))
+problems.command(lambda: main(pathlib.Path(sys.argv[1])))

@@ -49,4 +49,4 @@ def main() -> None:
                                 (square, rows[:, 1]), "exponential")], yscale="log")
 
 
-main()
+problems.command(main)

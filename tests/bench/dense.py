@@ -15,6 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 from nanoweft import generators, runs  # noqa: E402
+from nanoweft.problems import RunFailed, command  # noqa: E402
 
 USUAL = "-pair_switch 40.68 -pair_cutoff 54.24"
 SETTINGS = {
@@ -43,7 +44,7 @@ def user_seconds(file: pathlib.Path, setting: str, steps: int) -> float:
                      "-monitor_interval", "1000000",
                      "-ts_max_steps", str(steps)])
     if done.returncode:
-        sys.exit(done.stderr)
+        raise RunFailed(done.stderr.strip())
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
@@ -64,4 +65,4 @@ def main() -> None:
         print(f"| {name} | {statistics.median(times):.1f} | {ratio:.2f} |")
 
 
-main()
+command(main)

@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 from nanoweft import generators, rotations, states  # noqa: E402
-from nanoweft.problems import Unusable  # noqa: E402
+from nanoweft.problems import Unusable, command  # noqa: E402
 
 STEP = 0.01  # A
 NOT_KEPT = ("bond_broken", "kind", "group", "image", "rest_rotation", "rest_extension")
@@ -72,11 +72,9 @@ def main() -> None:
     words = parser.parse_args()
     try:
         (pack if words.what == "pack" else unpack)(words.source, words.target)
-    except (Unusable, OSError) as problem:
-        sys.exit(f"pack: {problem}")
     except (ValueError, KeyError, zipfile.BadZipFile):
-        sys.exit(f"pack: {words.source}: was not packed by this program")
+        raise Unusable(f"{words.source}: was not packed by this program") from None
 
 
 if __name__ == "__main__":
-    main()
+    command(main)
