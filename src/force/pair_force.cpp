@@ -56,8 +56,13 @@ class PairForceOf final : public PairForce {
     nearby.cutoff = points_.from;
     nearby.points = points_.near;
     // Damping acts once on a pair, with its far part.
-    PairJob undamped = job;
-    undamped.viscousSum = nullptr;
+    PairJob nearJob = job;
+    if constexpr (std::is_same_v<Law, PairTable>) {
+      if (farBetweenCentres())
+        nearby.centres = &parts_->far;
+      else
+        nearJob.viscousSum = nullptr;
+    }
     auto inside = [&](const LaneView& pairs) {
       if (parts_)
         resolve(parts_->far, nullptr, all, energies, pairs, job, tally);
@@ -71,9 +76,15 @@ class PairForceOf final : public PairForce {
     DrawnPairs::Ends begin{};
     for (const auto& end : drawn.ends) {
       if (job.agreement) job.agreement->poll();
-      if (parts_)
-        resolve(parts_->near, single_ ? &*single_ : nullptr, nearby, energies,
-                drawn.near.between(begin.near, end.near), undamped, tally);
+      if (parts_) {
+        const LaneView pairs = drawn.near.between(begin.near, end.near);
+        resolve(parts_->near, single_ ? &*single_ : nullptr, nearby, energies, pairs, nearJob,
+                tally);
+        if (nearby.centres) {
+          tally.resolved += pairs.pairs();
+          tally.pointPairs += pairs.pairs();
+        }
+      }
       inside(drawn.inside.between(begin.inside, end.inside));
       sift.goOn(rim.subspan(begin.rim, end.rim - begin.rim));
       while (PairBlock* block = sift.next(&end == &drawn.ends.back())) inside(block->close());

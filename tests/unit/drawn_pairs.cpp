@@ -175,10 +175,16 @@ TEST_P(DrawnPairsOf, TheOrderOfTheListDoesNotMatter) {
 }
 
 std::vector<const char*> allOptions() {
-  std::vector<const char*> options{"-pair_points 3", "-pair_points 3 -pair_far_points 1",
+  std::vector<const char*> options{"-pair_points 3",
+                                   "-pair_points 3 -pair_far_points 1",
                                    "-pair_points 5 -pair_far_points 2 -pair_far_from 22",
-                                   "-pair_points 1", "-pair hertz"};
-  if (singlePays) options.push_back("-pair_points 3 -pair_precision single");
+                                   "-pair_points 12 -pair_far_points 1 -pair_far_from 20",
+                                   "-pair_points 1",
+                                   "-pair hertz"};
+  if (singlePays)
+    for (const char* single : {"-pair_points 3 -pair_precision single",
+                               "-pair_points 5 -pair_far_points 1 -pair_precision single"})
+      options.push_back(single);
   return options;
 }
 INSTANTIATE_TEST_SUITE_P(Laws, DrawnPairsOf, testing::ValuesIn(allOptions()));

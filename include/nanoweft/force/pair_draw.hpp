@@ -13,11 +13,12 @@
 namespace nanoweft {
 
 /// The drawn pairs. Every step resolves those inside without looking at their distance; if they
-/// drift out of reach, they add zero. Those that may be on either side form the rim.
+/// drift out of reach, they add zero. Those that may be on either side form the rim. Pairs that the
+/// near part of a split law may act on are drawn besides, or instead (NearRange::alone).
 struct DrawnPairs {
   LanePairs inside;
   std::vector<ListPair> rim;  ///< every step looks at their distance (pair_sift.hpp)
-  LanePairs near;             ///< all that the near part of a law that is split may act on
+  LanePairs near;
   /// Where the pairs of one chunk of the list end. They are resolved together, while the chunk's
   /// segments are in the cache.
   struct Ends {
@@ -37,6 +38,7 @@ struct NearRange {
   double cutoff = 0;  ///< 0: the law is not split
   Both<int> points = 0;
   Both<double> length = 0;  ///< of the segments
+  bool alone = false;       ///< are near pairs neither inside nor in the rim?
 
   Both<double> span() const { return outermost(points, length); }
 };

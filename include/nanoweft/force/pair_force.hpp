@@ -145,7 +145,8 @@ class PairForce {
   }
   /// Of a law that is split.
   NearRange nearRange() const {
-    return points_.split() ? NearRange{points_.from, points_.near, length_} : NearRange{};
+    if (!points_.split()) return {};
+    return {points_.from, points_.near, length_, farBetweenCentres()};
   }
   /// Adds the forces of the drawn pairs to job.sum and, when `energies`, their energy to the tally.
   virtual void add(const PairJob& job, bool energies, PairTally& tally) const = 0;
@@ -186,6 +187,9 @@ class PairForce {
   void setUnits(double largest, double length);
 
  protected:
+  /// Is the law split, with one far point? Then the pass over near pairs adds their far part, too.
+  bool farBetweenCentres() const { return points_.split() && points_.far == 1; }
+
   PairTraits traits_;
   PointChoice points_;
   int exclude_ = 0;

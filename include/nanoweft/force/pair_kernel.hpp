@@ -119,6 +119,9 @@ struct KernelUnits {
   Both<double> length;
   double cutoff, force, torque;
   Both<int> points;
+  /// Of the near part of a split law: the far part, if that acts between the centres and is to be
+  /// added in the same pass.
+  const PairTable* centres = nullptr;
 };
 
 /// In place of a number of points N that is equal for both segments and known to the compiler: the
@@ -222,13 +225,14 @@ template <int N>
                                   const LaneRow<N>& row) {
   const auto shape = row.shape();
   Lanes closest2(std::numeric_limits<double>::infinity());
-  const auto [ni, nj] = units.points;
+  const double cutoff = units.centres ? units.centres->cutoff() : units.cutoff;
+  const auto [ni, nj] = units.centres ? Both<int>(1) : units.points;
   for (int a = 0; a < ni; ++a)
     for (int b = 0; b < nj; ++b) {
       const double sa = pointPlace(a, ni, units.length.i), sb = pointPlace(b, nj, units.length.j);
       closest2 = smaller(squaredDistance(shape, sa, sb), closest2);
     }
-  const unsigned touching = lanesBelow(closest2, units.cutoff * units.cutoff);
+  const unsigned touching = lanesBelow(closest2, cutoff * cutoff);
   for (int k = 0; k < laneCount; ++k) {
     if (!(touching >> k & 1) || !row.counts(k)) continue;
     const std::int32_t i = row.group.first[k], j = row.j[k];
@@ -249,12 +253,43 @@ template <int N>
   }
 }
 
+/// The far part of a split law that acts between the centres (KernelUnits::centres), if any.
+class CentreForce {
+ public:
+  explicit CentreForce(const KernelUnits& units)
+      : law_(units.centres ? PairTable::Kernel(*units.centres) : PairTable::Kernel()),
+        perForce_(1.0 / units.force),
+        acts_(units.centres) {}
+
+  /// Adds to a pair what the kernel of one point makes of the far part, to the bit: a pair has the
+  /// same sum whether it has been drawn as a near one or not.
+  template <bool Energies>
+  NW_INLINE void addTo(PairResult<Lanes>& pair, const Vec3<Lanes>& separation,
+                       const auto& counts) const {
+    if (!acts_) return;
+    const Lanes r2 = fusedDot(separation, separation);
+    PairValue<Lanes> value{};
+    if constexpr (Energies)
+      value = law_(r2);
+    else
+      value.slope = law_.slope(r2);
+    const Lanes f = perForce_ * select(counts, value.slope, Lanes(0.0));
+    pair.force = multiplyAdd(f, separation, pair.force);
+    if constexpr (Energies) pair.energy += perForce_ * select(counts, value.energy, Lanes(0.0));
+  }
+
+ private:
+  PairTable::Kernel law_;
+  Lanes perForce_;
+  bool acts_;
+};
+
 /// A group and the sums of forces on its first segments, which `close` writes to memory.
 template <bool Energies, int N>
 class LaneSums {
  public:
-  NW_INLINE LaneSums(const PairJob& job, const LaneGroup& group)
-      : job_(job), group_(group), x_(gatherPositions(job.pose, group.first)) {
+  NW_INLINE LaneSums(const PairJob& job, const LaneGroup& group, const CentreForce& centres)
+      : job_(job), group_(group), centres_(centres), x_(gatherPositions(job.pose, group.first)) {
     if constexpr (N != 1) e_ = axis1(gatherOrientations(job.pose, group.first));
     count_ = toLanes(loadNumbers(group.count));
   }
@@ -268,7 +303,8 @@ class LaneSums {
     const auto counts = count_ > Lanes(row.place);
     for (Lanes* sum : {&sums.f, &sums.a, &sums.b, &sums.ab, &sums.energy})
       *sum = select(counts, *sum, Lanes(0.0));
-    const auto pair = assemble<N>(sums, units, row.separation, row.ei, row.ej);
+    auto pair = assemble<N>(sums, units, row.separation, row.ei, row.ej);
+    if constexpr (N != 1) centres_.addTo<Energies>(pair, row.separation, counts);
     LaneIntegers onJ[6];
     auto whole = [](LaneIntegers* to, const Vec3<Lanes>& v) {
       to[0] = nearestIntegers(v.x);
@@ -315,6 +351,7 @@ class LaneSums {
 
   const PairJob& job_;
   const LaneGroup& group_;
+  const CentreForce& centres_;
   Vec3<Lanes> x_, e_{};
   Lanes count_;
   LaneIntegers total_[6]{};
@@ -339,9 +376,11 @@ void addPairs(const Law& shared, const KernelUnits& units, const LaneView& pairs
               const PairJob& job, PairTally& tally) {
   typename Law::Kernel law(shared);
   keepInMemory(law);
+  CentreForce centres(units);
+  keepInMemory(centres);
   const std::int32_t* partners = pairs.partners;
   for (const LaneGroup& group : pairs.groups) {
-    LaneSums<Energies, N> sums(job, group);
+    LaneSums<Energies, N> sums(job, group, centres);
     for (int k = 0; k < group.depth(); ++k) {
       fetchAhead(job, partners + k * laneCount, pairs.end);
       const auto row = sums.row(partners, k);
@@ -359,9 +398,11 @@ void addPairsSingle(const Law& shared, const KernelUnits& units, const LaneView&
                     const PairJob& job, PairTally& tally) {
   typename Law::Kernel law(shared);
   keepInMemory(law);
+  CentreForce centres(units);
+  keepInMemory(centres);
   const std::int32_t* partners = pairs.partners;
   for (const LaneGroup& group : pairs.groups) {
-    LaneSums<Energies, N> sums(job, group);
+    LaneSums<Energies, N> sums(job, group, centres);
     for (int k = 0; k < group.depth(); k += 2) {
       fetchAhead(job, partners + k * laneCount, pairs.end);
       const int count = std::min(2, group.depth() - k);
