@@ -181,7 +181,7 @@ void RunParts::checkStart() {
     if (const auto it = file->run.reals.find("links");
         it != file->run.reals.end() &&
         it->second != linkNumbersOf(inOrder(plan->links, file->linkKinds)))
-      warnings.push_back(
+      warnings.emplace_back(
           "the run that left the state had links of another law (-link_law, -link_stretch, "
           "-link_stiffness); their rest is that of the file");
   for (const StartFinding& finding : lookAtStart(
