@@ -226,8 +226,9 @@ TEST(ViscousDamping, ActsOnceOnPairsWithPointsWithinTheCutoff) {
   const Vec3d whole{4e-3, 5e-3, 8e-3};
   for (const char* options : {"-pair_points 3", "-pair_points 3 -pair_far_points 1"}) {
     const auto force = makeForce(options);
-    // In both parts of the law, in the far one, and at either side of the cutoff.
-    for (double distance : {20.0, 37.0, 45.0, 54.0})
+    // In both parts of the law, in the far one (first of a pair drawn as near), and at either side
+    // of the cutoff.
+    for (double distance : {20.0, 27.5, 37.0, 45.0, 54.0})
       EXPECT_LT(norm(viscousForce(*force, distance, across) - whole), 1e-12) << distance;
     EXPECT_EQ(norm(viscousForce(*force, 54.3, across)), 0.0);
   }
