@@ -54,24 +54,25 @@ class Stiffness {
         forces_(forces),
         halo_(halo),
         n_(static_cast<std::size_t>(state.owned())),
-        scales_(scalesOf(state, forces.kinds())),
+        scales_(scalesOf(forces.kinds())),
         pose_(state.pose, state.pose + 8 * n_) {}
 
-  /// The stiffness times q, by central differences of the forces. Collective.
-  const std::vector<double>& times(const std::vector<double>& q) {
+  /// Sets `product` to the stiffness times q, by central differences of the forces. Collective.
+  void multiply(const std::vector<double>& q, std::vector<double>& product) {
     double largest = 0;
-    for (std::size_t j = 0; j < q.size(); ++j) {
-      const bool turns = j % 6 >= 3;
-      const Scale& s = scales_[j / 6];
-      largest =
-          std::max(largest, std::abs(q[j]) * (turns ? s.perRootInertia : s.perRootMass / s.length));
+    for (std::size_t i = 0; i < n_; ++i) {
+      const Scale& s = scaleOf(i);
+      for (std::size_t c = 0; c < 6; ++c)
+        largest = std::max(largest, std::abs(q[6 * i + c]) *
+                                        (c >= 3 ? s.perRootInertia : s.perRootMass / s.length));
     }
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, state_.comm());
     const double step = 1e-6 / largest;  // displacements of 1e-6 segments, turns of 1e-6 radians
-    forcesAt(q, step, plus_);
-    forcesAt(q, -step, minus_);
-    for (std::size_t j = 0; j < q.size(); ++j) plus_[j] = (minus_[j] - plus_[j]) / (2.0 * step);
-    return plus_;
+    product.resize(6 * n_);
+    forcesAt(q, step, [&](std::size_t k, double force) { product[k] = force; });
+    forcesAt(q, -step, [&](std::size_t k, double force) {
+      product[k] = (force - product[k]) / (2.0 * step);
+    });
   }
 
   /// Brings back pose and forces. Collective.
@@ -85,13 +86,14 @@ class Stiffness {
   struct Scale {
     double perRootMass, perRootInertia, length;
   };
-  static std::vector<Scale> scalesOf(const State& state, const Kinds& kinds) {
-    std::vector<Scale> ofKinds, scales;
+  static std::vector<Scale> scalesOf(const Kinds& kinds) {
+    std::vector<Scale> scales;
     for (const Fibre& f : kinds)
-      ofKinds.push_back({1.0 / std::sqrt(f.mass), 1.0 / std::sqrt(f.inertia), f.length});
-    for (int i = 0; i < state.owned(); ++i)
-      scales.push_back(ofKinds[static_cast<std::size_t>(state.kind(i))]);
+      scales.push_back({1.0 / std::sqrt(f.mass), 1.0 / std::sqrt(f.inertia), f.length});
     return scales;
+  }
+  const Scale& scaleOf(std::size_t i) const {
+    return scales_[static_cast<std::size_t>(state_.kind(static_cast<int>(i)))];
   }
 
   void evaluate() {
@@ -100,10 +102,13 @@ class Stiffness {
     forces_.evaluate(state_, halo_, request);
   }
 
-  /// Mass-weighted forces at the pose displaced by `step` along q.
-  void forcesAt(const std::vector<double>& q, double step, std::vector<double>& out) {
+  /// Calls take(k, force) with each number of the mass-weighted forces at the pose displaced by
+  /// `step` along q.
+  template <class Take>
+  void forcesAt(const std::vector<double>& q, double step, const Take& take) {
     for (std::size_t i = 0; i < n_; ++i) {
-      const double a = step * scales_[i].perRootMass, b = step * scales_[i].perRootInertia;
+      const Scale& scale = scaleOf(i);
+      const double a = step * scale.perRootMass, b = step * scale.perRootInertia;
       for (std::size_t c = 0; c < 3; ++c)
         state_.pose[8 * i + c] = pose_[8 * i + c] + a * q[6 * i + c];
       const Quatd old{pose_[8 * i + 4], pose_[8 * i + 5], pose_[8 * i + 6], pose_[8 * i + 7]};
@@ -111,20 +116,21 @@ class Stiffness {
                             rotation({b * q[6 * i + 3], b * q[6 * i + 4], b * q[6 * i + 5]}) * old);
     }
     evaluate();
-    out.resize(6 * n_);
-    for (std::size_t i = 0; i < n_; ++i)
+    for (std::size_t i = 0; i < n_; ++i) {
+      const Scale& scale = scaleOf(i);
       for (std::size_t c = 0; c < 3; ++c) {
-        out[6 * i + c] = scales_[i].perRootMass * state_.force[3 * i + c];
-        out[6 * i + 3 + c] = scales_[i].perRootInertia * state_.torque[3 * i + c];
+        take(6 * i + c, scale.perRootMass * state_.force[3 * i + c]);
+        take(6 * i + 3 + c, scale.perRootInertia * state_.torque[3 * i + c]);
       }
+    }
   }
 
   State& state_;
   ForceField& forces_;
   Halo& halo_;
   std::size_t n_;
-  std::vector<Scale> scales_;
-  std::vector<double> pose_, plus_, minus_;
+  std::vector<Scale> scales_;  ///< of the kinds
+  std::vector<double> pose_;
 };
 
 /// A random vector of length one over all ranks, so that it has a part of every mode. It depends on
@@ -160,11 +166,13 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   // Scale of the exact sums: 1e3 times a chain's omega^2, since contacts may be far stiffer.
   const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.kinds()), 2);
   const SumUnit ofProduct(chain), ofSquare(chain * chain);
-  std::vector<double> q = randomDirection(state), before(q.size(), 0.0), diagonal, off;
+  // A run's memory is largest here, so none of these is copied.
+  std::vector<double> q = randomDirection(state), before(q.size(), 0.0), next;
+  std::vector<double> diagonal, off;
   double eigenvalue = 0;
   int settled = 0;
   for (int k = 0; k < 120; ++k) {
-    std::vector<double> next = stiffness.times(q);
+    stiffness.multiply(q, next);
     const double a = globalDot(q, next, ofProduct, state.comm());
     const double b = off.empty() ? 0.0 : off.back();
     for (std::size_t j = 0; j < q.size(); ++j) next[j] -= a * q[j] + b * before[j];
@@ -174,7 +182,7 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     settled = std::abs(eigenvalue - previous) < 1e-4 * std::abs(eigenvalue) ? settled + 1 : 0;
     const double norm = std::sqrt(globalDot(next, next, ofSquare, state.comm()));
     if (settled >= 4 || !(norm > 1e-9 * std::abs(eigenvalue))) break;
-    before = q;
+    q.swap(before);
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = next[j] / norm;
     off.push_back(norm);
   }

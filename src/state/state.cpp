@@ -78,10 +78,14 @@ void State::release() {
     if (f.in(extras_)) f.visit(*this, [&](auto*& values) { restore(swarm_, f.name, values); });
 }
 
+int State::bufferFor(int n) const {
+  // PETSc writes to the whole buffer, so it takes memory even while nothing is in it.
+  return ranks_ > 1 ? std::max(64, n / 4) : 0;
+}
+
 void State::addOwned(int n) {
   release();
-  // The buffer spares a reallocation of every field at each migration.
-  petsc(DMSwarmSetLocalSizes(swarm_, owned_ + n, std::max(64, (owned_ + n) / 4)));
+  petsc(DMSwarmSetLocalSizes(swarm_, owned_ + n, bufferFor(owned_ + n)));
   acquire();
   const auto begin = static_cast<std::size_t>(owned_), end = static_cast<std::size_t>(owned_ + n);
   for (const Field& f : fields)
@@ -134,7 +138,7 @@ void State::migrate(const std::vector<int>& destination) {
   permute(keep);
   release();
   owned_ = static_cast<int>(keep.size());
-  petsc(DMSwarmSetLocalSizes(swarm_, owned_, std::max(64, owned_ / 4)));
+  petsc(DMSwarmSetLocalSizes(swarm_, owned_, bufferFor(owned_)));
   acquire();
   const std::int64_t before = total_;
   countTotal();

@@ -114,6 +114,9 @@ class State : public SegmentFields {
  private:
   void acquire();
   void release();
+  /// Room besides `n` owned points for ghosts and for points that arrive: it spares a reallocation
+  /// of every field at each migration.
+  int bufferFor(int n) const;
 
   MPI_Comm comm_;
   int rank_, ranks_;
