@@ -103,13 +103,10 @@ bool CellGrid::covers(const std::array<double, 3>& lower, const std::array<doubl
 }
 
 int CellGrid::owner(std::int64_t cell) const {
+  const std::array<int, 3> layers = layersOf(cell);
   int part[3];
-  for (int d = 0; d < 3; ++d) {
-    const auto c = static_cast<PetscInt>(cell % cells_[d]);
-    cell /= cells_[d];
-    part[d] =
-        static_cast<int>(std::upper_bound(ends_[d].begin(), ends_[d].end(), c) - ends_[d].begin());
-  }
+  for (std::size_t d = 0; d < 3; ++d)
+    part[d] = static_cast<int>(std::ranges::upper_bound(ends_[d], layers[d]) - ends_[d].begin());
   return part[0] + parts_[0] * (part[1] + parts_[1] * part[2]);
 }
 

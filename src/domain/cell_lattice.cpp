@@ -55,6 +55,7 @@ void CellLattice::choose(const std::array<double, 3>& length, double edge, doubl
 }
 
 void CellLattice::finish(const std::array<double, 3>& length, double range) {
+  std::ranges::stable_sort(axes_, {}, [this](int d) { return cells_[d]; });
   for (int d = 0; d < 3; ++d) {
     inverseEdge_[d] = cells_[d] / length[d];
     // The factor (1 - 1e-12): where an edge equals the range up to round-off, one cell suffices.
@@ -65,9 +66,9 @@ void CellLattice::finish(const std::array<double, 3>& length, double range) {
 void CellLattice::neighbours(std::int64_t cell, std::vector<std::int64_t>& out) const {
   // First cell and number of cells along each direction.
   std::array<int, 3> first, count;
+  const std::array<int, 3> layers = layersOf(cell);
   for (int d = 0; d < 3; ++d) {
-    const int n = cells_[d], c = static_cast<int>(cell % n);
-    cell /= n;
+    const int n = cells_[d], c = layers[static_cast<std::size_t>(d)];
     const bool all = 2 * reach_[d] + 1 >= n;
     int last = c + reach_[d];
     first[d] = all ? 0 : c - reach_[d];
@@ -80,11 +81,12 @@ void CellLattice::neighbours(std::int64_t cell, std::vector<std::int64_t>& out) 
   }
   auto wrapped = [&](int d, int k) { return (first[d] + k + cells_[d]) % cells_[d]; };
   out.clear();
-  for (int z = 0; z < count[2]; ++z)
-    for (int y = 0; y < count[1]; ++y) {
+  const auto [along, across, slowest] = axes_;
+  for (int z = 0; z < count[slowest]; ++z)
+    for (int y = 0; y < count[across]; ++y) {
       const std::int64_t line =
-          (std::int64_t{wrapped(2, z)} * cells_[1] + wrapped(1, y)) * cells_[0];
-      for (int x = 0; x < count[0]; ++x) out.push_back(line + wrapped(0, x));
+          (std::int64_t{wrapped(slowest, z)} * cells_[across] + wrapped(across, y)) * cells_[along];
+      for (int x = 0; x < count[along]; ++x) out.push_back(line + wrapped(along, x));
     }
 }
 

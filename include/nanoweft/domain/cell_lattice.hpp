@@ -24,7 +24,7 @@ class CellLattice {
 
   std::int64_t cellOf(const double* x) const {
     std::int64_t id = 0;
-    for (int d = 2; d >= 0; --d) id = id * cells_[d] + layerOf(x, d);
+    for (int k = 2; k >= 0; --k) id = id * cells_[axes_[k]] + layerOf(x, axes_[k]);
     return id;
   }
   /// Number of the layer of cells along an axis.
@@ -39,6 +39,15 @@ class CellLattice {
 
  protected:
   CellLattice(const std::array<double, 3>& lower, const Box& box);
+  /// The numbers of a cell's layers along the axes.
+  std::array<int, 3> layersOf(std::int64_t cell) const {
+    std::array<int, 3> layers;
+    for (const int d : axes_) {
+      layers[static_cast<std::size_t>(d)] = static_cast<int>(cell % cells_[d]);
+      cell /= cells_[d];
+    }
+    return layers;
+  }
   /// Sets the number of cells: edges of at least `edge`, or more where that would be too many cells
   /// for so many points.
   void choose(const std::array<double, 3>& length, double edge, double points);
@@ -47,6 +56,10 @@ class CellLattice {
 
   std::array<double, 3> lower_, inverseEdge_;
   std::array<int, 3> cells_, reach_;
+  /// Axes by their numbers of cells. Cells are counted along the first of them first, so that
+  /// consecutive cells fill thin slices across the last, and threads that share the segments in
+  /// this order have short borders.
+  std::array<int, 3> axes_{0, 1, 2};
   std::array<bool, 3> periodic_;
   Tilt tilt_;
 
