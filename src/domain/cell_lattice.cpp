@@ -69,10 +69,9 @@ void CellLattice::neighbours(std::int64_t cell, std::vector<std::int64_t>& out) 
   const std::array<int, 3> layers = layersOf(cell);
   for (int d = 0; d < 3; ++d) {
     const int n = cells_[d], c = layers[static_cast<std::size_t>(d)];
-    const bool all = 2 * reach_[d] + 1 >= n;
-    int last = c + reach_[d];
+    const bool all = periodic_[d] && 2 * reach_[d] + 1 >= n;  // without meeting a cell twice
+    int last = all ? n - 1 : c + reach_[d];
     first[d] = all ? 0 : c - reach_[d];
-    if (all) last = n - 1;
     if (!periodic_[d]) {
       first[d] = std::max(first[d], 0);
       last = std::min(last, n - 1);
