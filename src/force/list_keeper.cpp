@@ -18,10 +18,13 @@ ListKeeper::ListKeeper(const Settings& settings, const Box& box)
   // A wider skin would save little more time, and would cost memory and ghosts. It would also make
   // the shares of ranks less equal, since cells grow with it.
   skinLimit_ = length;
+  // A fibre that recoils after a break outruns that in a few steps, and all lists with it.
+  fastSkinLimit_ = 2.0 * length;
   if (settings_.pairs)
     for (int d = 0; d < 3; ++d)
       if (box.periodic[d])
-        skinLimit_ = std::min(skinLimit_, 0.5 * box.length(d) - settings_.pairs.reach());
+        for (double* limit : {&skinLimit_, &fastSkinLimit_})
+          *limit = std::min(*limit, 0.5 * box.length(d) - settings_.pairs.reach());
   if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
   margin_ = 0.05 * length;  // tuned from the second drawing on
   for (const PairForces::Class& c : settings_.pairs.classes())
@@ -210,13 +213,15 @@ void ListKeeper::tuneSkin(const State& state) {
   // grow like the skin, the pairs that a drawing looks at like the square of the range (a sheet) or
   // more. The skin follows the derivative, by changes large enough to be worth a new cell grid.
   // Rank 0 decides, since all ranks must agree.
+  constexpr std::int64_t few = 30;
+  const double limit = evaluations_ < few ? fastSkinLimit_ : skinLimit_;
   double next = skin_;
   const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
   const double loss = 2.0 * (drawSeconds_ / static_cast<double>(evaluations_)) / range();
-  if (gain > 1.3 * loss) next = std::min(1.2 * skin_, skinLimit_);
+  if (gain > 1.3 * loss) next = std::max(skin_, std::min(1.2 * skin_, limit));
   if (gain < 0.7 * loss) next = std::max(skin_ / 1.2, 0.2 * settings_.kinds.shortest());
   MPI_Bcast(&next, 1, MPI_DOUBLE, 0, state.comm());
-  if (next > 0) skin_ = std::min(next, std::max(skinLimit_, skin_));
+  if (next > 0) skin_ = std::min(next, std::max(limit, skin_));
 }
 
 }  // namespace nanoweft

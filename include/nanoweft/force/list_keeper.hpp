@@ -134,8 +134,10 @@ class ListKeeper {
 
   Settings settings_;
   MinimumImage nearest_;
-  double skin_, skinLimit_;  ///< of the pair list
-  double margin_;            ///< of the drawn pairs
+  double skin_;  ///< of the pair list
+  /// Widest skin that is taken by itself, and that where lists last for a few steps only.
+  double skinLimit_, fastSkinLimit_;
+  double margin_;  ///< of the drawn pairs
   bool outdated_ = false;
   /// By how much a box that is strained may have moved two listed segments apart or together, since
   /// the drawing and since the rebuild; half of it a segment.
