@@ -219,6 +219,14 @@ void printStep(const RunParts& parts) {
       PetscPrintf(plan.comm,
                   "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
                   stepper.longest());
+    // Measured: model.md, section 6.
+    constexpr double loose = 0.7, slight = 0.1;
+    if (const double share = stepper.dt() / parts.limits.present;
+        share > loose && plan.settings.damping > slight && !plan.minimises())
+      PetscPrintf(plan.comm,
+                  "  warning: -ts_dt %g is %.2f of the stable step; beyond %g of it slow motion "
+                  "sticks with -damping_local %g, and comes to rest several times later\n",
+                  stepper.dt(), share, loose, plan.settings.damping);
   }
   if (plan.minimises())
     PetscPrintf(plan.comm, "  relaxation by %s, step at most %.4g %s; time is no physical time\n",

@@ -299,6 +299,24 @@ TEST(StepLimit, LimitIsFollowedDuringTheRunAndDisturbsNothing) {
   EXPECT_LT(lowest, 44);
 }
 
+TEST(StepLimit, WarnsOfLocalDampingNearIt) {
+  // Of 48.4 fs.
+  const auto warned = [](const std::string& dt, const std::string& damping) {
+    const Folder folder;
+    const auto outcome = run(folder,
+                             "-scene fibre -fibre_segments 40 -pair none -ts_max_steps 1 "
+                             "-ts_dt " +
+                                 dt + " -damping_local " + damping);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return outcome.output.find("slow motion sticks with -damping_local") != std::string::npos;
+  };
+  EXPECT_TRUE(warned("36", "0.4"));
+  EXPECT_FALSE(warned("33", "0.4"));
+  EXPECT_FALSE(warned("40", "0.1"));
+  EXPECT_FALSE(warned("40", "0"));
+  EXPECT_FALSE(warned("40", "0.4 -relax_method fire -relax_force 1e-6"));
+}
+
 TEST(StepLimit, EnergyThatDampingHidesIsNoticed) {
   // Local damping takes out what the unstable contact brings in, so that nothing moves far: only
   // the balance of all accounts shows it.
