@@ -166,11 +166,17 @@ void printTeam(const RunParts& parts) {
                 threads);
 }
 
-void printTension(MPI_Comm comm, const Tension& t, const UnitSystem& units) {
+void printTension(const State& state, const Tension& t, const UnitSystem& units) {
+  const MPI_Comm comm = state.comm();
   const std::string course = t.program ? "strain " + t.program->text() : format("rate %g", t.rate);
   PetscPrintf(comm, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, %s 1/%s\n",
               "xyz"[t.axis], t.gage, units.length, t.width, units.length, t.thickness, units.length,
               course.c_str(), units.time);
+  const HeldFibres held = heldFibres(state);
+  PetscPrintf(comm,
+              "    grips hold fibres: %lld both, %lld the left one only, %lld the right one\n",
+              static_cast<long long>(held.both), static_cast<long long>(held.left),
+              static_cast<long long>(held.right));
 }
 
 void printWall(MPI_Comm comm, const Wall& w, const UnitSystem& units) {
@@ -273,7 +279,7 @@ void printHeader(const RunParts& parts, const Moment& start) {
   for (int k = 0; k < plan.kinds.count(); ++k)
     if (const auto& law = plan.breakage[k]) printBreakage(plan.comm, *law, plan.kinds[k], units);
   if (parts.state->linked) printLinks(parts);
-  if (tension) printTension(plan.comm, *tension, units);
+  if (tension) printTension(*parts.state, *tension, units);
   if (plan.settings.thermostat) printThermostat(plan, parts.state->extras().friction);
   for (const Wall& wall : plan.walls) printWall(plan.comm, wall, units);
   if (plan.boxDrive) PetscPrintf(plan.comm, "  box: %s\n", plan.boxDrive.text().c_str());

@@ -109,5 +109,25 @@ TEST(TensionProgram, AStageWithARateBelowZeroUnloads) {
                 {"-tension_lateral", "one.h5", "-tension_new"});
 }
 
+TEST(Tension, SaysWhichFibresTheGripsHold) {
+  const auto at = [](double y, double x, int segments) {
+    return straightFibre({x * tube::length, y, 0}, {1, 0, 0}, segments);
+  };
+  const Folder folder;
+  writeState(folder / "in.h5", {at(0, 0, 40), at(40, 0, 40), at(80, 0, 20), at(120, 0, 39),
+                                at(160, 0, 35), at(200, 20, 20), at(240, 10, 20)});
+  for (const int ranks : {1, 3}) {
+    const auto outcome = run(folder,
+                             "-scene file -scene_file in.h5 -pair none -tension_rate 1e-7 "
+                             "-tension_grip 50 -ts_dt 15 -ts_max_steps 1",
+                             ranks);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(
+        outcome.output.find("grips hold fibres: 3 both, 2 the left one only, 1 the right one\n"),
+        std::string::npos)
+        << outcome.output;
+  }
+}
+
 }  // namespace
 }  // namespace nanoweft::test

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 
 #include "nanoweft/base/options.hpp"
@@ -67,6 +68,13 @@ struct Tension {
 /// Root mean square distance, across the pull, of the segments that no grip holds from their mean.
 /// Collective.
 double spreadAcross(const State& state, const Tension& tension);
+
+/// How many fibres have a segment in the left grip alone, in the right one alone, in both.
+struct HeldFibres {
+  std::int64_t left = 0, right = 0, both = 0;
+};
+/// Collective; known to rank 0.
+HeldFibres heldFibres(const State& state);
 
 /// Empty when the options ask for none. `restDistance` of two fibres of the first kind that touch:
 /// default of the sheet's thickness, which several kinds do not have.
