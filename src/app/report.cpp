@@ -228,7 +228,7 @@ void printStep(const RunParts& parts) {
     // Measured: model.md, section 6.
     constexpr double loose = 0.7, slight = 0.1;
     if (const double share = stepper.dt() / parts.limits.present;
-        share > loose && plan.settings.damping > slight && !plan.minimises())
+        share > loose && plan.settings.damping > slight)
       PetscPrintf(plan.comm,
                   "  warning: -ts_dt %g is %.2f of the stable step; beyond %g of it slow motion "
                   "sticks with -damping_local %g, and comes to rest several times later\n",

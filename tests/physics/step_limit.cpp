@@ -314,7 +314,6 @@ TEST(StepLimit, WarnsOfLocalDampingNearIt) {
   EXPECT_FALSE(warned("33", "0.4"));
   EXPECT_FALSE(warned("40", "0.1"));
   EXPECT_FALSE(warned("40", "0"));
-  EXPECT_FALSE(warned("40", "0.4 -relax_method fire -relax_force 1e-6"));
 }
 
 TEST(StepLimit, EnergyThatDampingHidesIsNoticed) {
