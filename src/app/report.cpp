@@ -211,6 +211,24 @@ void printThermostat(const RunPlan& plan, bool rubs) {
                 t.kelvin);
 }
 
+/// Share of the stable step beyond which local damping holds back slow motion, and the least
+/// damping that does: model.md, section 6.
+constexpr double loose = 0.7, slight = 0.1;
+
+bool sticks(const RunParts& parts, double stable) {
+  return parts.plan->settings.damping > slight && parts.stepper->dt() > loose * stable;
+}
+
+/// One warning if the run's step is too near to the step `stable`.
+void warnOfSticking(const RunParts& parts, double stable, const char* indent) {
+  if (!sticks(parts, stable)) return;
+  PetscPrintf(parts.plan->comm,
+              "%swarning: -ts_dt %g is %.2f of the stable step; beyond %g of it slow motion "
+              "sticks with -damping_local %g, and comes to rest several times later\n",
+              indent, parts.stepper->dt(), parts.stepper->dt() / stable, loose,
+              parts.plan->settings.damping);
+}
+
 void printStep(const RunParts& parts) {
   const RunPlan& plan = *parts.plan;
   const Stepper& stepper = *parts.stepper;
@@ -225,14 +243,7 @@ void printStep(const RunParts& parts) {
       PetscPrintf(plan.comm,
                   "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
                   stepper.longest());
-    // Measured: model.md, section 6.
-    constexpr double loose = 0.7, slight = 0.1;
-    if (const double share = stepper.dt() / parts.limits.present;
-        share > loose && plan.settings.damping > slight)
-      PetscPrintf(plan.comm,
-                  "  warning: -ts_dt %g is %.2f of the stable step; beyond %g of it slow motion "
-                  "sticks with -damping_local %g, and comes to rest several times later\n",
-                  stepper.dt(), share, loose, plan.settings.damping);
+    warnOfSticking(parts, parts.limits.present, "  ");
   }
   if (plan.minimises())
     PetscPrintf(plan.comm, "  relaxation by %s, step at most %.4g %s; time is no physical time\n",
@@ -389,9 +400,13 @@ void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, 
               rubs ? " + friction" : "", heated ? " - heat" : "", e.balance() - end.first.balance(),
               plan.units.energy, e.damped, e.external, e.broken, others.c_str());
   printDampingShare(plan, e);
-  if (parts.limits.lowest < parts.limits.first)
+  if (parts.limits.lowest < parts.limits.first) {
     PetscPrintf(plan.comm, "stable step: %.4g %s at the start, %.4g at the lowest\n",
                 parts.limits.first, plan.units.time, parts.limits.lowest);
+    // The header has warned of the first one; steps that adapt keep their share of each.
+    if (!parts.stepper->adapts() && !sticks(parts, parts.limits.first))
+      warnOfSticking(parts, parts.limits.lowest, "");
+  }
   for (const auto& observer : plan.observers) observer->summarise(end);
 }
 

@@ -299,6 +299,24 @@ TEST(StepLimit, LimitIsFollowedDuringTheRunAndDisturbsNothing) {
   EXPECT_LT(lowest, 44);
 }
 
+TEST(StepLimit, WarnsAtTheEndOfLocalDampingNearTheLowest) {
+  // 32 fs are less than 0.7 of the first stable step, which is above 46 fs, and more than 0.7 of
+  // the lowest, which is below 44 fs.
+  const std::string sticks = "slow motion sticks with -damping_local";
+  const Folder folder;
+  const auto outcome =
+      run(folder, pressedSlowly(folder) + "-ts_dt 32 -ts_max_steps 250 -ts_limit_interval 5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto end = outcome.output.find("stable step: ");
+  ASSERT_NE(end, std::string::npos) << outcome.output;
+  EXPECT_GT(outcome.output.find(sticks), end) << outcome.output;
+  EXPECT_NE(outcome.output.find(sticks), std::string::npos) << outcome.output;
+  const auto undamped = run(folder, pressedSlowly(folder) +
+                                        "-damping_local 0.1 -ts_dt 32 -ts_max_steps 250 "
+                                        "-ts_limit_interval 5 -energy_alarm 0");
+  EXPECT_EQ(undamped.output.find(sticks), std::string::npos) << undamped.output;
+}
+
 TEST(StepLimit, WarnsOfLocalDampingNearIt) {
   // Of 48.4 fs.
   const auto warned = [](const std::string& dt, const std::string& damping) {
