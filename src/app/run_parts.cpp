@@ -55,8 +55,8 @@ void takeRestOfKinds(State& state, const Kinds& kinds) {
 /// For each kind of link five numbers, as RunParts::linkNumbers.
 /// A new run may have other walls than the one that left the state.
 void forgetWallContacts(State& state) {
-  constexpr int slots = contactSlots;
-  for (int k = 0; k < slots * state.owned(); ++k)
+  const std::size_t slots = contactSlots * static_cast<std::size_t>(state.owned());
+  for (std::size_t k = 0; k < slots; ++k)
     if (state.contact[k] < 0) state.contact[k] = 0, std::fill_n(state.spring + 3 * k, 3, 0.0);
 }
 
@@ -147,14 +147,18 @@ void RunParts::fillState() {
     if (flows && plan->kinds.curved()) takeRestOfKinds(*state, plan->kinds);
     if (extras.friction) forgetWallContacts(*state);
   }
+  // Before the first lists: the other segment of a broken bond may be anywhere.
+  if (plan->breaks()) spreadOldBreaks(*state, forces->pairs().exclude());
   if (extras.ends) {
     if (!plan->checkpoint) state->noteFreeEnds();
     state->recallFreeEnds();
   }
-  requireWideBox(plan->box, 1.5 * plan->kinds.longest(), units.length);
+  requireWideBox(plan->box, 3 * plan->kinds.longest(), "three segments", units.length);
   // Checked first: a bad start would fail later checks, too, and those would name another cause.
   if (!plan->checkpoint) checkStart();
-  if (forces->pairs()) requireWideBox(plan->box, forces->lists().range(), units.length);
+  if (forces->pairs())
+    requireWideBox(plan->box, 2 * forces->lists().range(),
+                   "two list ranges (cutoff + segment + skin)", units.length);
 }
 
 void RunParts::chooseTeam() {
@@ -254,10 +258,6 @@ void RunParts::restore(const RunRecord& record) {
 void RunParts::share() {
   domain = std::make_unique<Domain>(*state, plan->settings.partition);
   forces->rebuild(*state, *domain);
-  if (plan->breaks()) {
-    spreadOldBreaks(*state, forces->pairs().exclude());
-    forces->rebuild(*state, *domain);  // the bond lists again, without the broken ones
-  }
   if (!plan->checkpoint &&
       std::ranges::any_of(plan->links, [](const LinkLaw& law) { return law.density > 0; })) {
     makeLinks(*state, *forces, plan->units, plan->settings.seed);

@@ -1,6 +1,7 @@
 #include "nanoweft/app/simulation.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "nanoweft/app/accounts_record.hpp"
@@ -29,6 +30,17 @@ enum Notice {
   staleSoon = 32,
   firstWish = 64
 };
+
+/// The name of a file that is not there: `stem` and `ending`, with a number between them where such
+/// files are there already. The same on all ranks.
+std::string unusedName(const std::string& stem, const char* ending, const State& state) {
+  int number = 1;
+  auto name = [&] { return stem + (number > 1 ? format("_%d", number) : "") + ending; };
+  if (state.rank() == 0)
+    while (std::filesystem::exists(name())) ++number;
+  MPI_Bcast(&number, 1, MPI_INT, 0, state.comm());
+  return name();
+}
 
 }  // namespace
 
@@ -159,7 +171,13 @@ void Simulation::doAgreed(DriftReport& drift) {
   // All ranks reckon with the same way, without waiting for what they have just gone.
   const ListKeeper& lists = system_.forces.lists();
   const double reckoned = farthest_ + lists.wayToDrawing();
-  system_.forces.refresh(system_.state, system_.domain, reckoned);
+  if (!system_.forces.redraw(system_.state, reckoned)) {
+    // Shares and lists are made from positions, which must be numbers.
+    int lost = drift.unstable;
+    MPI_Allreduce(MPI_IN_PLACE, &lost, 1, MPI_INT, MPI_MAX, system_.state.comm());
+    if (lost) throwUnstable(moment(), parts_->plan->units, "");
+    system_.forces.rebuild(system_.state, system_.domain);
+  }
   drift.stale = lists.farthest() > reckoned;
   drift.staleSoon = false;
 }
@@ -226,10 +244,8 @@ bool Simulation::listsHold() {
 
 void Simulation::renewLists() {
   ForceField& forces = system_.forces;
-  if (heard_ & outdated)
+  if ((heard_ & outdated) || !forces.redraw(system_.state))
     forces.rebuild(system_.state, system_.domain);
-  else
-    forces.refresh(system_.state, system_.domain);
 }
 
 ForceOutcome Simulation::evaluate(View view) {
@@ -292,8 +308,8 @@ Ending Simulation::stopEarly() {
   const State& state = system_.state;
   const auto step = static_cast<long long>(state.step);
   std::string file = parts_->plan->settings.checkpointFile, reason;
-  // Without -checkpoint_file, a name with the step in it, which replaces no other file.
-  if (file.empty()) file = format("checkpoint_%010lld.h5", step);
+  // Without -checkpoint_file, a name with the step in it that no file has.
+  if (file.empty()) file = unusedName(format("checkpoint_%010lld", step), ".h5", state);
   if (lastCheckpoint_ != state.step) writeCheckpoint(file);
   for (const auto& observer : observers_)
     if (const std::string own = observer->reason(); !own.empty()) reason = own;

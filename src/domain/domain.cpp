@@ -111,10 +111,10 @@ bool Domain::findPartners(const State& state) {
   for (int i = 0; i < state.local(); ++i) local_.insert(state.row[i], i);
   for (int i = 0; i < state.owned(); ++i)
     for (const Tie& tie : state.ties(i))
-      if (partner(state, i, tie) < 0) return false;
+      if (state.holds(i, tie) && partner(state, i, tie) < 0) return false;
   for (const Link& link : state.links)
     for (const std::int64_t row : link.row)
-      if (local_.at(row) < 0) return false;
+      if (!link.broken && local_.at(row) < 0) return false;
   return true;
 }
 
@@ -127,13 +127,11 @@ Domain::Census Domain::census(const State& state) const {
   return {counts[0], counts[1]};
 }
 
-void requireWideBox(const Box& box, double range, const char* length) {
+void requireWideBox(const Box& box, double least, const char* what, const char* length) {
   for (int d = 0; d < 3; ++d)
-    if (box.periodic[d] && !(box.length(d) >= 2.0 * range))
-      throw InputError(
-          format("the periodic box is too thin along %c: %g %s, but two list ranges (cutoff + "
-                 "segment + skin) are %g %s",
-                 "xyz"[d], box.length(d), length, 2.0 * range, length));
+    if (box.periodic[d] && !(box.length(d) >= least))
+      throw InputError(format("the periodic box is too thin along %c: %g %s, but %s are %g %s",
+                              "xyz"[d], box.length(d), length, what, least, length));
 }
 
 }  // namespace nanoweft

@@ -7,6 +7,7 @@
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/domain/deliver.hpp"
 #include "nanoweft/state/box.hpp"
+#include "nanoweft/state/memory.hpp"
 
 namespace nanoweft {
 
@@ -83,7 +84,8 @@ ToRanks<Candidate> offersToWanters(const State& state, const CellIndex& cells,
   return offers;
 }
 
-/// Which offered segments this rank needs: those in range of an own one, and bond partners.
+/// Which offered segments this rank needs: those in range of an own one, and partners of bonds and
+/// links that hold.
 class NearOwn {
  public:
   NearOwn(const State& state, const CellGrid& grid, const CellIndex& cells, double range)
@@ -115,9 +117,11 @@ class NearOwn {
         lowest = std::min(lowest, row), highest = std::max(highest, row);
     IndexMap partners(static_cast<std::size_t>(state.owned()), lowest, highest);
     for (int i = 0; i < state.owned(); ++i)
-      for (const Tie& tie : state.ties(i)) partners.insert(tie.row, i);
+      for (const Tie& tie : state.ties(i))
+        if (state.holds(i, tie)) partners.insert(tie.row, i);
     for (const Link& link : state.links)
-      for (const std::int64_t row : link.row) partners.insert(row, 0);
+      for (const std::int64_t row : link.row)
+        if (!link.broken) partners.insert(row, 0);
     return partners;
   }
 
@@ -185,6 +189,7 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
   const int ghosts = static_cast<int>(remote.size()), owned = state.owned();
   petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
                         PETSC_COPY_VALUES));
+  requirePlaces(comm, std::int64_t{owned} + ghosts);
   state.addGhosts(ghosts);
   for (Broadcast* half : {PetscSFBcastBegin, PetscSFBcastEnd})
     for (const Ghosts which : {Ghosts::whenBuilt, Ghosts::everyStep}) broadcast(half, state, which);

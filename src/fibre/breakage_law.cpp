@@ -105,7 +105,8 @@ std::optional<BreakageLaw> readBreakage(Options& options, const UnitSystem& unit
   law.diameters = fibre.length / fibre.diameter();
   const Strength& usual = fibre.strength;
   law.weibull = s.choice("break_law", usual.weibull ? "weibull" : "normal", {"normal", "weibull"},
-                         "distribution of the critical strains") == "weibull";
+                         "distribution of the critical strains; unless given that of the preset") ==
+                "weibull";
   OptionSection normal(options, title, !law.weibull, "-break_law is weibull");
   readNormal(normal, usual, law);
   OptionSection weibull(options, title, law.weibull, "-break_law is normal");

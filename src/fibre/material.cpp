@@ -156,9 +156,11 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
                f.radius != preset.radius ? "-fibre_radius" : "-fibre_wall"));
   readSegment(s, units, preset, f);
   f.derive();
-  if (auto inertia = s.maybeReal("fibre_segment_inertia", "m rf^2 (tube), m rf^2/2 (solid)",
-                                 (std::string(units.massName) + " " + units.length + "^2").c_str(),
-                                 "moment of inertia of a segment, equal about all axes", positive))
+  if (auto inertia = s.maybeReal(
+          "fibre_segment_inertia",
+          "m rf^2 (tube), m (rm^2 + h^2/4) (many shells, mean radius rm), m rf^2/2 (solid)",
+          (std::string(units.massName) + " " + units.length + "^2").c_str(),
+          "moment of inertia of a segment, equal about all axes", positive))
     f.inertia = *inertia * units.mass;
   const std::string stiffnessUnit = format("%s/%s^2,%s,%s,%s", units.energy, units.length,
                                            units.energy, units.energy, units.energy);

@@ -80,8 +80,8 @@ void ForceField::rebuild(State& state, Domain& domain) {
   bondsKnown_ = false;
 }
 
-void ForceField::refresh(State& state, Domain& domain, std::optional<double> farthest) {
-  if (!lists_.redraw(state, farthest)) rebuild(state, domain);
+bool ForceField::redraw(const State& state, std::optional<double> farthest) {
+  return lists_.redraw(state, farthest);
 }
 
 PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous) {

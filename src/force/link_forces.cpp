@@ -1,6 +1,7 @@
 #include "nanoweft/force/link_forces.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace nanoweft {
 
@@ -22,7 +23,9 @@ void LinkForces::build(const State& state, const Domain& domain) {
     auto& ends = ends_.emplace_back();
     for (int side = 0; side < 2; ++side) {
       const auto at = static_cast<std::size_t>(side);
-      ends[at] = domain.localIndex(state.links[k].row[at]);
+      const int local = domain.localIndex(state.links[k].row[at]);
+      // The other end of a broken link may be far from all that this rank knows.
+      ends[at] = local >= 0 ? local : std::numeric_limits<int>::max();
       if (ends[at] < state.owned()) owned_.push_back({ends[at], k, side});
     }
   }

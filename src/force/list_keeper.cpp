@@ -14,18 +14,7 @@ namespace nanoweft {
 ListKeeper::ListKeeper(const Settings& settings, const Box& box)
     : settings_(settings), nearest_(box), pairs_(settings.pairs.classes().size()) {
   const double length = settings_.kinds.shortest();
-  skin_ = settings_.skin > 0 ? settings_.skin : length;
-  // A wider skin would save little more time, and would cost memory and ghosts. It would also make
-  // the shares of ranks less equal, since cells grow with it.
-  skinLimit_ = length;
-  // A fibre that recoils after a break outruns that in a few steps, and all lists with it.
-  fastSkinLimit_ = 2.0 * length;
-  if (settings_.pairs)
-    for (int d = 0; d < 3; ++d)
-      if (box.periodic[d])
-        for (double* limit : {&skinLimit_, &fastSkinLimit_})
-          *limit = std::min(*limit, 0.5 * box.length(d) - settings_.pairs.reach());
-  if (settings_.skin == 0) skin_ = std::min(skin_, std::max(skinLimit_, 0.05 * length));
+  skin_ = settings_.skin > 0 ? settings_.skin : std::clamp(room(box), leastSkin(), length);
   margin_ = 0.05 * length;  // tuned from the second drawing on
   for (const PairForces::Class& c : settings_.pairs.classes())
     if (const NearRange near = c.force->nearRange(); near.cutoff > 0)
@@ -100,6 +89,18 @@ void ListKeeper::listKinds(const State& state) {
   }
 }
 
+double ListKeeper::room(const Box& box) const {
+  double room = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < 3; ++d)
+    if (settings_.pairs && box.periodic[d])
+      room = std::min(room, 0.5 * box.length(d) - settings_.pairs.reach());
+  return room;
+}
+
+double ListKeeper::leastSkin() const {
+  return settings_.skin > 0 ? settings_.skin : 0.05 * settings_.kinds.shortest();
+}
+
 void ListKeeper::stretch(const Box& box, const std::array<double, 3>& factor) {
   nearest_ = MinimumImage(box);
   double most = 0;
@@ -109,11 +110,17 @@ void ListKeeper::stretch(const Box& box, const std::array<double, 3>& factor) {
     for (std::vector<double>* places : {&reference_, &listed_})
       for (std::size_t k = d; k < places->size(); k += 3)
         (*places)[k] = middle + factor[d] * ((*places)[k] - middle);
-    if (box.periodic[d] && !(box.length(static_cast<int>(d)) >= 2.0 * range()))
+  }
+  if (const double wide = room(box); wide < skin_) {
+    if (wide < leastSkin())
       throw RunError(
-          format("the periodic box has become too thin along %c: %g, but two list ranges "
-                 "(cutoff + segment + skin) are %g",
-                 "xyz"[d], box.length(static_cast<int>(d)), 2.0 * range()));
+          format("the periodic box has become too thin: two list ranges (cutoff + segment + skin) "
+                 "are %g at least, and it is %g x %g x %g",
+                 2.0 * (settings_.pairs.reach() + leastSkin()), box.length(0), box.length(1),
+                 box.length(2)));
+    // Thinner than need be, so that a box that goes on shrinking has new lists now and then only.
+    skin_ = std::max(0.8 * wide, leastSkin());
+    outdated_ = true;
   }
   stretched_ += most * range();
   listStretched_ += most * range();
@@ -214,7 +221,11 @@ void ListKeeper::tuneSkin(const State& state) {
   // more. The skin follows the derivative, by changes large enough to be worth a new cell grid.
   // Rank 0 decides, since all ranks must agree.
   constexpr std::int64_t few = 30;
-  const double limit = evaluations_ < few ? fastSkinLimit_ : skinLimit_;
+  // A wider skin would save little more time, and would cost memory and ghosts. It would also make
+  // the shares of ranks less equal, since cells grow with it. But a fibre that recoils after a
+  // break outruns one segment in a few steps, and all lists with it.
+  const double limit =
+      std::min(room(state.box), (evaluations_ < few ? 2.0 : 1.0) * settings_.kinds.shortest());
   double next = skin_;
   const double gain = rebuildSeconds_ / static_cast<double>(evaluations_) / skin_;
   const double loss = 2.0 * (drawSeconds_ / static_cast<double>(evaluations_)) / range();

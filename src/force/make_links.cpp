@@ -1,8 +1,10 @@
 #include "nanoweft/force/make_links.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/gather.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/force/overlap.hpp"
 
@@ -48,29 +50,27 @@ Link linkAt(const State& state, const ForceField& forces, const ListPair& p) {
   return link;
 }
 
-/// The links of all ranks, in an order that does not depend on ranks.
-Links gather(const Links& mine, MPI_Comm comm, int ranks) {
-  const int bytes = static_cast<int>(mine.size() * sizeof(Link));
-  std::vector<int> counts(static_cast<std::size_t>(ranks)), starts(counts.size());
-  MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  int total = 0;
-  for (std::size_t r = 0; r < counts.size(); ++r) starts[r] = total, total += counts[r];
-  Links all(static_cast<std::size_t>(total) / sizeof(Link));
-  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), starts.data(), MPI_BYTE,
-                 comm);
-  std::ranges::sort(all, {}, &Link::row);
-  return all;
+/// Links are made among the pairs of the lists. Throws InputError where these need not have all
+/// pairs of pieces that are so near.
+void requireListed(double distance, const ForceField& forces, const UnitSystem& units) {
+  const double skin = forces.lists().range() - forces.pairs().reach();
+  double most = forces.pairs() ? std::numeric_limits<double>::infinity() : 0.0;
+  for (const PairForces::Class& c : forces.pairs().classes()) {
+    const Both<double> length = c.force->length();
+    if (c.widest) most = std::min(most, c.force->reach() + skin - 0.5 * (length.i + length.j));
+  }
+  if (distance <= most) return;
+  throw InputError(
+      format("-links_distance %g: beyond %.4g %s, up to which the pair lists have all pairs of "
+             "segments; links are made among their pairs (a wider -pair_skin lists more)",
+             distance, most, units.length));
 }
 
 /// Makes the links of one kind.
 void makeLinksOf(int kind, State& state, const ForceField& forces, const UnitSystem& units,
                  std::uint64_t seed) {
   const LinkLaw& law = forces.links().laws()[static_cast<std::size_t>(kind)];
-  if (!forces.pairs() || law.distance > forces.lists().range())
-    throw InputError(format(
-        "-links_distance %g: beyond the reach of the pair lists, %g %s; links are made among "
-        "their pairs",
-        law.distance, forces.pairs() ? forces.lists().range() : 0.0, units.length));
+  requireListed(law.distance, forces, units);
   const auto pairs = places(state, forces, law.distance);
   double sums[2] = {static_cast<double>(pairs.size()), 0.0};  // places, and length of fibre
   for (int i = 0; i < state.owned(); ++i) sums[1] += forces.kinds()[state.kind(i)].length;
@@ -91,7 +91,9 @@ void makeLinksOf(int kind, State& state, const ForceField& forces, const UnitSys
   std::vector<std::int64_t> rows(state.row, state.row + state.owned());
   std::ranges::sort(rows);
   auto own = [&](std::int64_t row) { return std::ranges::binary_search(rows, row); };
-  for (Link& link : gather(mine, state.comm(), state.ranks())) {
+  Links all = ofAllRanks(mine, state.comm());
+  std::ranges::sort(all, {}, &Link::row);  // an order that does not depend on ranks
+  for (Link& link : all) {
     link.id = id++;
     link.kind = kind;
     if (own(link.row[0]) || own(link.row[1])) state.links.push_back(link);

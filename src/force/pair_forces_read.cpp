@@ -279,7 +279,9 @@ void readChosen(PairReader& read, std::vector<std::string>& laws) {
   names.insert(names.end(), {"contact", "none"});
   OptionSection pair(read.options, topic);
   const auto given = pair.choices(
-      "pair", laws, names, "law of the forces between fibres; several, with commas between, add");
+      "pair", laws, names,
+      "law of the forces between fibres, unless given that of the preset; several, with commas "
+      "between, add");
   if (given == undecided)
     throw InputError(format("kinds %s and %s have different pair laws: give %s",
                             read.a.kind.c_str(), read.b.kind.c_str(), read.option("pair").c_str()));

@@ -180,6 +180,7 @@ void Boundaries::attach(State& state, const RunRecord& record, bool restart) {
   if (goesOn_) tension_->goOn(record, state.time);
   attachNamed(state, record, restart);
   if (tension_) {
+    tension_->requireEnds(state.box);
     if (!restart && !goesOn_) tension_->measure(state);
     addGrips();
   }

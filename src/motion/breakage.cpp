@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/gather.hpp"
 #include "nanoweft/force/pair_list.hpp"
 
 namespace nanoweft {
@@ -17,30 +18,17 @@ struct Break {
   std::int32_t index, length, closed;
 };
 
-/// The values of all ranks.
-template <class T>
-std::vector<T> ofAllRanks(const std::vector<T>& mine, const State& state) {
-  int bytes = static_cast<int>(mine.size() * sizeof(T)), total = 0;
-  std::vector<int> sizes(static_cast<std::size_t>(state.ranks())), offsets(sizes.size());
-  MPI_Allgather(&bytes, 1, MPI_INT, sizes.data(), 1, MPI_INT, state.comm());
-  for (std::size_t r = 0; r < sizes.size(); ++r) offsets[r] = total, total += sizes[r];
-  std::vector<T> all(static_cast<std::size_t>(total) / sizeof(T));
-  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), sizes.data(), offsets.data(), MPI_BYTE,
-                 state.comm());
-  return all;
-}
-
 /// Bonds break rarely, so every rank is told of every break. A segment may have gone to another
 /// rank since the rank that reports it found its bond broken, so its owner describes it.
 std::vector<Break> describe(const State& state, const std::vector<std::int64_t>& rows) {
-  std::vector<std::int64_t> sorted = ofAllRanks(rows, state);
+  std::vector<std::int64_t> sorted = ofAllRanks(rows, state.comm());
   std::ranges::sort(sorted);
   std::vector<Break> mine;
   for (int i = 0; i < state.owned() && !sorted.empty(); ++i)
     if (std::ranges::binary_search(sorted, state.row[i]))
       mine.push_back({state.row[i] - state.chain[2 * i], state.chain[2 * i], state.chain[2 * i + 1],
                       state.bond[i] & fibreClosed});
-  return ofAllRanks(mine, state);
+  return ofAllRanks(mine, state.comm());
 }
 
 void spreadBreaks(State& state, int exclude, const std::vector<std::int64_t>& rows) {

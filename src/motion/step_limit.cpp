@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "nanoweft/base/error.hpp"
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/random.hpp"
 
@@ -169,7 +170,7 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   // A run's memory is largest here, so none of these is copied.
   std::vector<double> q = randomDirection(state), before(q.size(), 0.0), next;
   std::vector<double> diagonal, off;
-  double eigenvalue = 0;
+  double eigenvalue = 0, norm = 0;
   int settled = 0;
   for (int k = 0; k < 120; ++k) {
     stiffness.multiply(q, next);
@@ -180,16 +181,22 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     const double previous = eigenvalue;
     eigenvalue = largestEigenvalue(diagonal, off);
     settled = std::abs(eigenvalue - previous) < 1e-4 * std::abs(eigenvalue) ? settled + 1 : 0;
-    const double norm = std::sqrt(globalDot(next, next, ofSquare, state.comm()));
+    norm = std::sqrt(globalDot(next, next, ofSquare, state.comm()));
     if (settled >= 4 || !(norm > 1e-9 * std::abs(eigenvalue))) break;
     q.swap(before);
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = next[j] / norm;
     off.push_back(norm);
   }
   stiffness.restore();
-  if (!(eigenvalue > 0)) return std::numeric_limits<double>::infinity();
-  return withViscosity(2.0 / std::sqrt(eigenvalue),
-                       state.extras().viscous ? slowest(forces.kinds()) : 0.0);
+  // Sums beyond their range are no numbers.
+  if (!std::isfinite(eigenvalue) || !std::isfinite(norm))
+    throw InputError(
+        "the stable step cannot be estimated: something (a contact, a link, a wall) is more than "
+        "1e5 times as stiff as the bonds of the fibres");
+  // Where nothing is held, the step for bonds and contacts to come is that of a free chain.
+  return withViscosity(
+      eigenvalue > 0 ? 2.0 / std::sqrt(eigenvalue) : chainStepLimit(forces.kinds()),
+      state.extras().viscous ? slowest(forces.kinds()) : 0.0);
 }
 
 double chainStepLimit(const Fibre& fibre) {

@@ -88,9 +88,10 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
   t.asked.width = s.maybeReal("tension_width", "measured at the start", units.length,
                               "width of the fabric, for the stress", positive);
   t.width = t.asked.width.value_or(0.0);
-  t.asked.thickness =
-      s.maybeReal("tension_thickness", "17.1 A for cnt_10_10, else the rest distance", units.length,
-                  "thickness of the fabric, for the stress", positive);
+  t.asked.thickness = s.maybeReal(
+      "tension_thickness",
+      "2 rf + 3.54 A for carbon tubes by name (17.1 A for cnt_10_10), else the rest distance",
+      units.length, "thickness of the fabric, for the stress", positive);
   const double sheet = kinds[0].sheet;
   const double usual = kinds.several() ? 0.0 : sheet > 0 ? sheet : restDistance;
   t.thickness = t.asked.thickness.value_or(usual);
@@ -155,6 +156,17 @@ void Tension::goOn(const RunRecord& record, double time) {
                      canonical(std::vector{(*ends)[0], (*ends)[1]}));
 }
 
+void Tension::requireEnds(const Box& box) const {
+  if (box.periodic[static_cast<std::size_t>(axis)])
+    throw InputError(format(
+        "-tension_axis %c: the box is periodic in this direction, so there are no ends to grip",
+        "xyz"[axis]));
+  if (lateral && box.periodic[static_cast<std::size_t>(across())])
+    throw InputError(
+        format("-tension_lateral: the box is periodic along %c, so the width does not change",
+               "xyz"[across()]));
+}
+
 void Tension::measure(State& state) {
   if (thickness == 0)
     throw InputError("-tension_thickness: with several kinds of fibre it has no default");
@@ -173,10 +185,6 @@ void Tension::measure(State& state) {
   ends = {lower, upper};
   start = state.time;
   gage = upper - lower - 2.0 * grip;
-  if (state.box.periodic[static_cast<std::size_t>(axis)])
-    throw InputError(format(
-        "-tension_axis %c: the box is periodic in this direction, so there are no ends to grip",
-        "xyz"[axis]));
   if (!(gage > 0))
     throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's length of %g",
                             grip, upper - lower));
@@ -196,10 +204,6 @@ void Tension::measure(State& state) {
 }
 
 void Tension::measureSpread(const State& state) {
-  if (state.box.periodic[static_cast<std::size_t>(across())])
-    throw InputError(
-        format("-tension_lateral: the box is periodic along %c, so the width does not change",
-               "xyz"[across()]));
   spread = spreadAcross(state, *this);
   if (!(spread > 0))
     throw InputError(format("-tension_lateral: what lies between the grips has no width along %c",

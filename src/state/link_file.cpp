@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/gather.hpp"
 
 namespace nanoweft {
 
@@ -198,14 +199,7 @@ void writeLinks(DatasetWriter& writer, const std::function<h5::Handle()>& group,
   Links mine;
   for (const Link& link : state.links)
     if (owned[link.row[0]]) mine.push_back(link);
-  const int bytes = static_cast<int>(mine.size() * sizeof(Link));
-  std::vector<int> counts(static_cast<std::size_t>(state.ranks())), places(counts.size());
-  MPI_Gather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, state.comm());
-  int total = 0;
-  for (std::size_t r = 0; r < counts.size(); ++r) places[r] = total, total += counts[r];
-  Links all(state.rank() == 0 ? static_cast<std::size_t>(total) / sizeof(Link) : 0);
-  MPI_Gatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), places.data(), MPI_BYTE, 0,
-              state.comm());
+  Links all = ofAllRanks(mine, state.comm(), false);
   std::ranges::sort(all, {}, &Link::id);
   LinkRows rows;
   for (const Link& l : all) {

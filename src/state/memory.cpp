@@ -17,6 +17,11 @@ namespace {
 /// Places of a rank's segments are 32-bit, and those of its poses eight times as large.
 constexpr std::int64_t mostSegments = 2147483647 / 8;
 
+std::string tooMany(std::int64_t segments) {
+  return format("%lld segments on one rank; at most %lld: take more ranks",
+                static_cast<long long>(segments), static_cast<long long>(mostSegments));
+}
+
 /// Address space that this process may still ask for.
 double leftOfLimit() {
   struct rlimit limit {};
@@ -40,6 +45,10 @@ double memoryHere() {
 
 }  // namespace
 
+void requirePlaces(MPI_Comm comm, std::int64_t segments) {
+  agree<RunError>(comm, segments > mostSegments ? tooMany(segments) : "");
+}
+
 void requireMemory(MPI_Comm comm, std::int64_t segments, double bytesPerSegment) {
   const double needed = bytesPerSegment * static_cast<double>(segments);
   MPI_Comm node;
@@ -55,9 +64,7 @@ void requireMemory(MPI_Comm comm, std::int64_t segments, double bytesPerSegment)
           "segments or more computers",
           bytes / 1e9, where, std::max(there, 0.0) / 1e9);
   };
-  if (segments > mostSegments)
-    problem = format("%lld segments on one rank; at most %lld: take more ranks",
-                     static_cast<long long>(segments), static_cast<long long>(mostSegments));
+  if (segments > mostSegments) problem = tooMany(segments);
   tooLarge(needed, leftOfLimit(), "the limit of this process (ulimit -v) leaves");
   tooLarge(neededHere, memoryHere(), "this computer has");
   agree<RunError>(comm, problem);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <utility>
 
 #include "nanoweft/base/error.hpp"
@@ -118,11 +119,42 @@ void State::countTotal() {
   MPI_Allreduce(&mine, &total_, 1, MPI_INT64_T, MPI_SUM, comm_);
 }
 
-void State::migrate(const std::vector<int>& destination) {
+void State::migrate(const std::vector<int>& destination, std::int64_t mostBytes) {
+  // PETSc counts the bytes between two ranks in an int, so what exceeds that waits for another
+  // time.
+  const std::int64_t most = std::max<std::int64_t>(1, mostBytes / bytesOfSegment());
+  std::vector<int> goal = destination;
+  const std::int64_t before = total_;
+  std::int64_t waiting;
+  do {
+    waiting = moveSome(goal, most);
+    MPI_Allreduce(MPI_IN_PLACE, &waiting, 1, MPI_INT64_T, MPI_SUM, comm_);
+  } while (waiting > 0);
+  countTotal();
+  if (total_ != before)
+    throw RunError(format("migration changed the number of segments from %lld to %lld at step %lld",
+                          static_cast<long long>(before), static_cast<long long>(total_),
+                          static_cast<long long>(step)));
+}
+
+std::int64_t State::bytesOfSegment() const {
+  std::int64_t bytes = sizeof(double) * 4 + sizeof(PetscInt);  // what DMSwarm has of its own
+  for (const Field& f : fields)
+    if (f.in(extras_)) bytes += static_cast<std::int64_t>(f.bytes());
+  return bytes;
+}
+
+std::int64_t State::moveSome(std::vector<int>& goal, std::int64_t most) {
   release();
   PetscInt* rankField;
   get(swarm_, DMSwarmField_rank, rankField);
-  std::copy(destination.begin(), destination.end(), rankField);
+  std::map<int, std::int64_t> sent;
+  std::int64_t waiting = 0;
+  for (std::size_t i = 0; i < goal.size(); ++i) {
+    const bool waits = goal[i] != rank_ && ++sent[goal[i]] > most;
+    waiting += waits;
+    rankField[i] = waits ? rank_ : goal[i];
+  }
   restore(swarm_, DMSwarmField_rank, rankField);
   // Sent points are left in place and dropped below: removing them one by one inside PETSc clears
   // the whole buffer each time.
@@ -130,9 +162,14 @@ void State::migrate(const std::vector<int>& destination) {
   PetscInt count;
   petsc(DMSwarmGetLocalSize(swarm_, &count));
   get(swarm_, DMSwarmField_rank, rankField);
-  std::vector<int> keep;
+  std::vector<int> keep, left;
   for (PetscInt i = 0; i < count; ++i)
-    if (rankField[i] == rank_) keep.push_back(i);
+    if (rankField[i] == rank_) {
+      keep.push_back(i);
+      left.push_back(static_cast<std::size_t>(i) < goal.size() ? goal[static_cast<std::size_t>(i)]
+                                                               : rank_);
+    }
+  goal = std::move(left);
   restore(swarm_, DMSwarmField_rank, rankField);
   acquire();
   permute(keep);
@@ -140,12 +177,7 @@ void State::migrate(const std::vector<int>& destination) {
   owned_ = static_cast<int>(keep.size());
   petsc(DMSwarmSetLocalSizes(swarm_, owned_, bufferFor(owned_)));
   acquire();
-  const std::int64_t before = total_;
-  countTotal();
-  if (total_ != before)
-    throw RunError(format("migration changed the number of segments from %lld to %lld at step %lld",
-                          static_cast<long long>(before), static_cast<long long>(total_),
-                          static_cast<long long>(step)));
+  return waiting;
 }
 
 namespace {
@@ -194,18 +226,25 @@ void State::permute(const std::vector<int>& order) {
   (std::make_index_sequence<std::size(fields)>());
 }
 
+namespace {
+
+/// All bits that may stand in `ends`, whatever a file says.
+constexpr int both = freePrevious | freeNext;
+
+}  // namespace
+
 void State::noteFreeEnds() {
   for (int i = 0; i < owned_; ++i) {
-    int bits = freePrevious | freeNext;
+    int bits = both;
     for (const Tie& tie : ties(i))
       if (!tie.broken) bits &= ~(tie.first ? freeNext : freePrevious);
-    pose[8 * i + 3] = kind(i) + 0.25 * bits + 0.0625 * ends[i];
+    pose[8 * i + 3] = kind(i) + 0.25 * bits + 0.0625 * (ends[i] & both);
     ends[i] = bits;
   }
 }
 
 void State::recallFreeEnds() {
-  for (int i = 0; i < owned_; ++i) pose[8 * i + 3] = kind(i) + 0.3125 * ends[i];
+  for (int i = 0; i < owned_; ++i) pose[8 * i + 3] = kind(i) + 0.3125 * (ends[i] & both);
 }
 
 }  // namespace nanoweft

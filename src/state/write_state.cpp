@@ -174,6 +174,9 @@ struct SortedContacts {
     constexpr auto slots = static_cast<std::size_t>(contactSlots);
     const auto n = static_cast<std::size_t>(state.owned());
     std::array<std::size_t, slots> order;
+    // Not null where this rank has no segments: all ranks write a field, or none does.
+    contact.reserve(slots * std::max<std::size_t>(n, 1));
+    spring.reserve(3 * slots * std::max<std::size_t>(n, 1));
     for (std::size_t i = 0; i < n; ++i) {
       const std::int64_t* const partner = state.contact + slots * i;
       std::iota(order.begin(), order.end(), 0);

@@ -103,7 +103,8 @@ TEST(Lists, HaveAllPairsAfterSegmentsHaveMoved) {
         left = left || moved.forces->lists().moved(moved.state.pose + 8 * i, i);
       }
     MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_C_BOOL, MPI_LOR, moved.state.comm());
-    if (left) moved.forces->refresh(moved.state, moved.domain);
+    if (left && !moved.forces->redraw(moved.state))
+      moved.forces->rebuild(moved.state, moved.domain);
     moved.evaluate();
     const std::vector<double> kept = byRow(moved.state);
     moved.forces->rebuild(moved.state, moved.domain);

@@ -90,6 +90,39 @@ TEST_P(HaloOf, SegmentsThatMoveAreGivenToTheirRanksWithAllTheirFields) {
   }
 }
 
+TEST(Domain, WhatIsBrokenNeedNotBeFound) {
+  // Two halves of a fibre lie far apart; a bond and a link between them widen the cells until their
+  // ends are neighbours, unless they are broken.
+  for (const bool broken : {true, false}) {
+    State state(PETSC_COMM_WORLD, {{0, 0, 0}, {4000, 100, 100}, {false, false, false}}, {});
+    const std::int64_t first = 16 * state.rank() / state.ranks(),
+                       last = 16 * (state.rank() + 1) / state.ranks();
+    state.addOwned(static_cast<int>(last - first));
+    Link link;
+    link.row = {0, 15};
+    link.index = {0, 15};
+    link.broken = broken;
+    state.linked = true;
+    for (std::int64_t row = first; row < last; ++row) {
+      const auto i = static_cast<int>(row - first);
+      setSegment(state, i, row);
+      state.chain[2 * i] = static_cast<std::int32_t>(row);
+      state.chain[2 * i + 1] = 16;
+      state.bond[i] = broken ? (row == 7 ? nextBroken : row == 8 ? previousBroken : 0) : 0;
+      state.pose[8 * i] = 10.0 * static_cast<double>(row) + (row > 7 ? 3500.0 : 0.0);
+      state.pose[8 * i + 1] = state.pose[8 * i + 2] = 50;
+      if ((row == 0 || row == 15) && state.links.empty()) state.links.push_back(link);
+    }
+    state.countTotal();
+    Domain domain(state, {PartitionSettings::rectilinear, 1.05, 4});
+    domain.rebuild(state, range, range, nullptr);
+    if (broken || state.ranks() == 1)
+      EXPECT_EQ(domain.grid().range(), range);
+    else
+      EXPECT_GT(domain.grid().range(), 1000);
+  }
+}
+
 TEST_P(HaloOf, ABondLongerThanTheRangeStillFindsItsPartner) {
   // Only the segments with odd rows move: every bond is over 40 long.
   for (int i = 0; i < state.owned(); ++i)

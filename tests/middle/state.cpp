@@ -63,6 +63,21 @@ TEST(State, MigrationTakesEveryFieldAlongAndKeepsTheNumber) {
   }
 }
 
+TEST(State, MigrationInManyPassesIsTheSame) {
+  State state(PETSC_COMM_WORLD, sceneBox(), allFields);
+  fillScene(state);
+  const Reference reference;
+  std::vector<int> to;
+  for (int i = 0; i < state.owned(); ++i)
+    to.push_back(static_cast<int>((state.row[i] / 2 + 1) % state.ranks()));
+  state.migrate(to, 1);  // one segment at a time
+  EXPECT_EQ(state.total(), allRows);
+  for (int i = 0; i < state.owned(); ++i)
+    EXPECT_EQ((state.row[i] / 2 + 1) % state.ranks(), state.rank());
+  expectEveryRowOnce(state);
+  reference.expectOwned(state);
+}
+
 TEST(State, OneRankMayHaveAllSegmentsAndTheOthersNone) {
   State state(PETSC_COMM_WORLD, sceneBox(), allFields);
   fillScene(state);

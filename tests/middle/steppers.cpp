@@ -30,7 +30,8 @@ void go(
     moved();
     int stale = drift.stale;
     MPI_Allreduce(MPI_IN_PLACE, &stale, 1, MPI_INT, MPI_MAX, tubes.state.comm());
-    if (stale) tubes.forces->refresh(tubes.state, tubes.domain);
+    if (stale && !tubes.forces->redraw(tubes.state))
+      tubes.forces->rebuild(tubes.state, tubes.domain);
     tubes.forces->evaluate(tubes.state, tubes.domain.halo(), request);
     stepper.finish(system, seen || k == steps);
   }

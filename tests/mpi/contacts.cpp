@@ -37,6 +37,26 @@ TEST(ContactsWithFriction, SameBytesOnAnyRanksThreadsAndPartition) {
   }
 }
 
+TEST(ContactsWithFriction, RanksWithoutSegmentsWriteTheSame) {
+  // Two fibres along a diagonal: of four ranks in a square, two have nothing.
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 1, 0}, 60), straightFibre({0, 0, 13}, {1, 1, 0}, 60)});
+  std::string expected;
+  for (const int ranks : {1, 4, 7}) {
+    const auto outcome = run(folder,
+                             "-scene file -scene_file in.h5 -pair contact -contact_modulus 30 "
+                             "-contact_friction 0.4 -ts_dt 10 -ts_max_steps 20 -partition "
+                             "dmda -state_output out.h5 -overwrite",
+                             ranks);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    if (ranks == 1)
+      expected = readFile(folder / "out.h5");
+    else
+      EXPECT_TRUE(readFile(folder / "out.h5") == expected) << ranks;
+  }
+}
+
 TEST(ContactsWithFriction, ARestartGoesOnWithTheirSprings) {
   const Folder whole;
   auto outcome = run(whole, weave + outputs + "-ts_max_steps 600", 2);

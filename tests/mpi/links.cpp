@@ -97,7 +97,12 @@ TEST(Links, AreMadeAtRandomPlacesAsDenselyAsAsked) {
       {"-links_density 1: there are only", "at most"});
   expectRefused(run(other, "-links_density 1 -ts_max_steps 2"), {"needs -links_distance"});
   expectRefused(run(other, "-links_density 1e-3 -links_distance 900 -ts_max_steps 2"),
-                {"beyond the reach"});
+                {"-links_distance 900: beyond"});
+  // What the lists need not have all of, a skin or another length of segments would decide.
+  expectRefused(run(other,
+                    "-weave_fibres 4,4 -links_density 1e-3 -links_distance 45 -pair_skin 2 "
+                    "-ts_max_steps 2"),
+                {"-links_distance 45: beyond 4", "a wider -pair_skin"});
 }
 
 TEST(Links, AreBornUnstressedAndSpringsTurnFreely) {

@@ -23,6 +23,22 @@ const std::string through =
     "-box_monitor ascii:box.csv -energy_monitor ascii:energy.csv -monitor_interval 20 ";
 constexpr double section = 200 * 200;
 
+TEST(Box, MayShrinkUntilNothingIsLeftForTheSkin) {
+  // The skin that a run chooses by itself, 13.56 A at first, gives way: pairs reach 54.24 A, so a box
+  // of 114 A is wide enough, and one of 106 A is not.
+  const std::string shrinking =
+      "-scene fibre -fibre_segments 14 -domain_lower 0,-95,-100 -domain_upper "
+      "189.84,95,100 -domain_periodic 0,1,0 -ts_dt 20 -progress_interval 0 -deform_y rate "
+      "-deform_y_rate -2e-6 -ts_max_steps 12000 -deform_y_until ";
+  const Folder folder;
+  const auto outcome = run(folder, shrinking + "-0.4", 2);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const auto thin = run(folder, shrinking + "-0.44");
+  EXPECT_EQ(thin.status, 2) << thin.output;
+  EXPECT_NE(thin.output.find("the periodic box has become too thin"), std::string::npos)
+      << thin.output;
+}
+
 TEST(Box, AFibreThatIsStrainedWithItFeelsHookesStress) {
   const Folder folder;
   const auto outcome = run(folder,

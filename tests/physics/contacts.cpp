@@ -228,6 +228,21 @@ TEST(Contacts, ViscousDampingSlowsWhatTouches) {
   EXPECT_NEAR(lost / (2 * drag * time / tube::mass), 1.0, 0.02);
 }
 
+TEST(Contacts, WhatAFileSaysOfFreeEndsIsFoundAnew) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 6),
+                                straightFibre({0, 0, 2 * tube::rf - 0.05}, {0, 1, 0}, 6)});
+  const std::string options =
+      "-scene file -scene_file_edited -pair contact -contact_modulus 20 -ts_dt 1 -ts_max_steps 10 "
+      "-state_output out.h5 -overwrite -scene_file ";
+  ASSERT_EQ(run(folder, options + "in.h5").status, 0);
+  const auto expected = readDataset(folder / "out.h5", "/state/position");
+  setDataset(folder / "in.h5", "free_ends", std::vector<double>(12, 40.0), 1);
+  const auto outcome = run(folder, options + "in.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(readDataset(folder / "out.h5", "/state/position"), expected);
+}
+
 TEST(Contacts, ACollisionKeepsItsEnergyToSecondOrder) {
   const double coarse = driftAt(16), fine = driftAt(8);
   EXPECT_LT(coarse, 0.02);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "support/formulas.hpp"
 #include "support/program.hpp"
@@ -172,6 +173,43 @@ TEST(GageStress, IsWhatGripsAndUnbalancedForcesMakeIt) {
                     "-tension_rate 1e-5 -tension_ramp 2000 -ts_max_steps 300 -links_density 0.01 "
                     "-links_distance 18 -link_stiffness 20,1000,-200,100",
                 "x", 2);
+}
+
+TEST(GripStress, HasWhatTheGripsDoWorkWith) {
+  // Work of the grips: the integral of the mean of both stresses times area times gage over strain,
+  // with whatever acts on what they hold, viscous forces and friction of contacts as well.
+  const std::string weave =
+      "-weave_fibres 4,4 -weave_segments 24 -tension_grip 60 -tension_rate 2e-5 -tension_ramp 2000 "
+      "-tension_width 100 -tension_thickness 17 -ts_dt 10 -ts_max_steps 300 -monitor_interval 1 "
+      "-stress_monitor ascii:s.csv -energy_monitor ascii:e.csv -state_output out.h5 ";
+  for (const char* more :
+       {"", "-damping_viscous 50", "-pair contact -contact_modulus 30 -contact_friction 0.8"}) {
+    const Folder folder;
+    const auto outcome = run(folder, weave + more, 2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto s = readCsv(folder / "s.csv");
+    const auto& strain = s.at("strain");
+    auto pulled = [&](std::size_t k) {
+      return 0.5 * (s.at("stress_left_GPa")[k] + s.at("stress_right_GPa")[k]) * gigapascal;
+    };
+    double work = 0;
+    for (std::size_t k = 1; k < strain.size(); ++k)
+      work += 0.5 * (pulled(k) + pulled(k - 1)) * (strain[k] - strain[k - 1]);
+    double gage = 0;
+    const auto at = outcome.output.find("gage ");
+    ASSERT_NE(at, std::string::npos) << outcome.output;
+    ASSERT_EQ(std::sscanf(outcome.output.c_str() + at, "gage %lf A", &gage), 1);
+    work *= 100 * 17 * gage;
+    // What holds the grips also sets them in motion.
+    const auto v = readDataset(folder / "out.h5", "/state/velocity"),
+               group = readDataset(folder / "out.h5", "/state/group");
+    for (std::size_t i = 0; i < group.size(); ++i)
+      if (static_cast<std::int64_t>(group[i]) >> 28 & 3)
+        work += 0.5 * tube::mass * v[3 * i] * v[3 * i];
+    const double external = readCsv(folder / "e.csv").at("external").back();
+    EXPECT_NEAR(work, external, 1e-4 * std::abs(external)) << more;
+    EXPECT_GT(external, 1) << more;
+  }
 }
 
 TEST(GageStress, BundlePulledSlowly) {

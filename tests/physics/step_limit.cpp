@@ -317,6 +317,32 @@ TEST(StepLimit, WarnsAtTheEndOfLocalDampingNearTheLowest) {
   EXPECT_EQ(undamped.output.find(sticks), std::string::npos) << undamped.output;
 }
 
+TEST(StepLimit, OfSegmentsThatNothingHoldsIsThatOfAChain) {
+  // Rods of one segment, far from each other: there is no stiffness, but there may be.
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 0, 0}, 1), straightFibre({0, 300, 0}, {1, 0, 0}, 1)});
+  const auto outcome = run(folder,
+                           "-scene file -scene_file in.h5 -pair hertz -hertz_stiffness 1 "
+                           "-ts_max_steps 3",
+                           2);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("stable below 48.37 now"), std::string::npos) << outcome.output;
+}
+
+TEST(StepLimit, OfWhatIsFarTooStiffIsRefused) {
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 0, 0}, 4), straightFibre({0, 12, 0}, {1, 0, 0}, 4)});
+  const auto outcome = run(folder,
+                           "-scene file -scene_file in.h5 -pair hertz -hertz_stiffness 1e16 -ts_dt 1 "
+                           "-ts_max_steps 3",
+                           2);
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_NE(outcome.output.find("the stable step cannot be estimated"), std::string::npos)
+      << outcome.output;
+}
+
 TEST(StepLimit, WarnsOfLocalDampingNearIt) {
   // Of 48.4 fs.
   const auto warned = [](const std::string& dt, const std::string& damping) {

@@ -428,6 +428,9 @@ TEST_P(RestartRules, AStageThatContradictsItsTensionTestIsRefused) {
                                    {"-tension_ends 0,300", "with "}})
     expectRefused(go(folder, stage + given),
                   {given, "one.h5 carries a tension test", old, "-tension_new"});
+  expectRefused(go(folder, stage + "-domain_periodic 1,0,0 -domain_lower -2000,-2000,-2000 "
+                                   "-domain_upper 2000,2000,2000"),
+                {"-tension_axis x", "periodic"});
   expectRefused(go(folder, stage + "-tension_max_strain 0.002"),
                 {"-tension_max_strain 0.002", "one.h5", "-tension_new"});
   EXPECT_FALSE(std::filesystem::exists(folder / "two.h5"));

@@ -211,6 +211,24 @@ TEST_P(SignalsOnRanks, TheWallTimeLeavesACheckpoint) {
   expectGoesOn(folder, stopped, "c.h5");
 }
 
+TEST_P(SignalsOnRanks, WithoutANameOfItsOwnTheCheckpointTakesNoOtherFilesName) {
+  const Folder folder;
+  for (int step = 0; step < 20000; ++step) {
+    char name[40];
+    std::snprintf(name, sizeof name, "checkpoint_%010d.h5", step);
+    writeText(folder / name, "of another run");
+  }
+  // Some hundred steps, fewer than there are files.
+  const Outcome stopped = run(folder,
+                              "-weave_fibres 60,60 -weave_segments 300 -ts_max_steps 1000000 "
+                              "-wall_time 0:08",
+                              GetParam());
+  EXPECT_EQ(stopped.status, 3) << stopped.output;
+  const auto at = stopped.output.find("go on with -restart checkpoint_");
+  ASSERT_NE(at, std::string::npos) << stopped.output;
+  EXPECT_NE(stopped.output.find("_2.h5", at), std::string::npos) << stopped.output;
+}
+
 TEST_P(SignalsOnRanks, AWallTimeThatIsNoTimeIsRefused) {
   const Folder folder;
   for (const char* wrong : {"1:99", "0", "soon", "''"}) {

@@ -24,7 +24,7 @@ class Domain {
   /// Gives every segment to its rank, sorts the owned ones by cell and chain, and builds the halo.
   /// `range`: reach of the pair list, 0 without one; `cell`: smallest edge of a cell, at least the
   /// range; `known`: the work of each owned segment, null before it has been measured (on all ranks
-  /// alike). Bond partners are found however long the bond.
+  /// alike). Bond partners are found however long the bond, unless it is broken.
   void rebuild(State& state, double range, double cell, const std::vector<double>* known);
 
   /// Takes note of the work of this rank after a rebuild: `own` that of its share, `resolved` all
@@ -72,8 +72,9 @@ class Domain {
   Halo halo_;
 };
 
-/// Throws InputError when a periodic direction is thinner than two list ranges, where the minimum
-/// image would not be unique.
-void requireWideBox(const Box& box, double range, const char* length);
+/// Throws InputError when a periodic direction is thinner than `least`, where the minimum image
+/// would not be unique: less than twice what reaches farthest. `what` names that in the message,
+/// `length` its unit.
+void requireWideBox(const Box& box, double least, const char* what, const char* length);
 
 }  // namespace nanoweft

@@ -58,9 +58,10 @@ class ForceField {
 
   /// Distributes the segments anew and makes the lists. Collective.
   void rebuild(State& state, Domain& domain);
-  /// To be called when ListKeeper::moved is true of some segment: draws the pairs anew, or makes
-  /// the lists anew, so that no pair is missing. `farthest`: as for ListKeeper::redraw. Collective.
-  void refresh(State& state, Domain& domain, std::optional<double> farthest = {});
+  /// To be called when ListKeeper::moved is true of some segment: lets the next evaluation draw the
+  /// pairs anew. Returns false if the lists have to be made anew. As ListKeeper::redraw.
+  /// Collective.
+  bool redraw(const State& state, std::optional<double> farthest = {});
 
   /// Sets State::force and torque of the owned segments (and viscous, with viscous damping).
   /// Collective. Throws std::logic_error when the pair forces of the last evaluation still wait for

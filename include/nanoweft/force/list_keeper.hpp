@@ -55,6 +55,7 @@ class ListKeeper {
   double wayToDrawing() const { return 0.6 * margin_; }
 
   /// The box has been strained by these factors, with all segments in it. Motion counts from there.
+  /// Throws RunError when it has become too thin for the pair lists, on all ranks.
   void stretch(const Box& box, const std::array<double, 3>& factor);
   /// The box has been sheared by this strain along its tilt, with all segments in it.
   void shear(const Box& box, double strain);
@@ -130,13 +131,15 @@ class ListKeeper {
   void startDrawing(const State& state);
   void tuneMargin(const State& state);
   void tuneSkin(const State& state);
+  /// The widest skin with which no pair of the lists has two images in the box.
+  double room(const Box& box) const;
+  /// The thinnest skin that is taken.
+  double leastSkin() const;
   void noteWork(const State& state, Domain& domain);
 
   Settings settings_;
   MinimumImage nearest_;
-  double skin_;  ///< of the pair list
-  /// Widest skin that is taken by itself, and that where lists last for a few steps only.
-  double skinLimit_, fastSkinLimit_;
+  double skin_;    ///< of the pair list
   double margin_;  ///< of the drawn pairs
   bool outdated_ = false;
   /// By how much a box that is strained may have moved two listed segments apart or together, since

@@ -49,6 +49,8 @@ struct Tension {
     std::optional<std::array<double, 2>> ends;
   } asked;
 
+  /// Throws InputError for a box that is periodic where the test needs ends.
+  void requireEnds(const Box& box) const;
   /// A test of its own: measures the piece and marks what its grips hold. Throws InputError for a
   /// piece that cannot be gripped. Collective.
   void measure(State& state);

@@ -16,4 +16,8 @@ inline constexpr double stateBytes = 400;
 /// estimate is a lower bound, so what passes may still prove too large. Collective.
 void requireMemory(MPI_Comm comm, std::int64_t segments, double bytesPerSegment = stateBytes);
 
+/// Throws RunError on all ranks when some rank has more `segments`, its own and ghosts, than places
+/// can number. Collective.
+void requirePlaces(MPI_Comm comm, std::int64_t segments);
+
 }  // namespace nanoweft

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -66,8 +67,10 @@ class State : public SegmentFields {
   void countTotal();
 
   /// Sends every owned point to `destination[i]` and drops what left. The order of the points
-  /// afterwards is unspecified. A change of the global count throws RunError. No ghosts.
-  void migrate(const std::vector<int>& destination);
+  /// afterwards is unspecified. A change of the global count throws RunError. No ghosts. No rank
+  /// sends another more than `mostBytes` at a time. Collective.
+  void migrate(const std::vector<int>& destination,
+               std::int64_t mostBytes = std::numeric_limits<std::int32_t>::max());
 
   /// Reorders the owned points: new point k is old point order[k]. No ghosts.
   void permute(const std::vector<int>& order);
@@ -103,6 +106,13 @@ class State : public SegmentFields {
     return ties;
   }
 
+  /// Whether something still acts across a tie: until its bond has broken and contacts, if there
+  /// are any, know of it (freeEnds). Only then do the halo and the lists need its other segment,
+  /// which may be anywhere after a break.
+  bool holds(int i, const Tie& tie) const {
+    return !tie.broken || (extras_.ends && !(freeEnds(i) & (tie.first ? freeNext : freePrevious)));
+  }
+
   Box box;
   std::vector<std::string> kinds{""};  ///< names of the kinds of segments; one empty name: one kind
   std::int64_t step = 0;
@@ -114,6 +124,11 @@ class State : public SegmentFields {
  private:
   void acquire();
   void release();
+  /// Bytes of a point as it is sent.
+  std::int64_t bytesOfSegment() const;
+  /// Sends at most so many points from this rank to each other one; `goal`: where they shall be at
+  /// last, then that of the points that are here now. Returns how many wait.
+  std::int64_t moveSome(std::vector<int>& goal, std::int64_t most);
   /// Room besides `n` owned points for ghosts and for points that arrive: it spares a reallocation
   /// of every field at each migration.
   int bufferFor(int n) const;
