@@ -85,6 +85,12 @@ class Fabric {
                  "which takes %.0f segments",
                  p_.pitch > 0 ? "pitch" : "segments", p_.filaments[0], p_.filaments[1], least, unit,
                  std::ceil(needed / T)));
+    // The outermost crossing may lie half a pitch beyond the ends.
+    if (p_.pitch > 0 && !p_.periodic && wanted < length(d, p_.pitch) - p_.pitch)
+      throw InputError(
+          format("-weave_pitch %g: fibres do not reach across: %d segments take %.5g %s, "
+                 "the crossings %.5g",
+                 p_.pitch, p_.segments, wanted, unit, length(d, p_.pitch)));
     if (p_.pitch > 0) return p_.pitch;
     double low = least, high = wanted / across;
     for (int k = 0; k < 100; ++k) {
@@ -166,6 +172,9 @@ FabricParameters readFabric(OptionSection& s) {
                   "twill: over, under; satin: repeat, step; basket: side by side, 1");
   if (s.given("weave_float") && p.pattern == FabricParameters::plain)
     throw InputError("-weave_float: -weave_pattern plain has none");
+  if (p.pattern == FabricParameters::basket && p.floats[1] != 1)
+    throw InputError(
+        "-weave_float: a basket weave needs how many go side by side and a 1, as in 2,1");
   if (p.pattern == FabricParameters::satin &&
       (p.floats[0] < 3 || p.floats[1] >= p.floats[0] || std::gcd(p.floats[0], p.floats[1]) != 1))
     throw InputError(
@@ -177,6 +186,19 @@ FabricParameters readFabric(OptionSection& s) {
   return p;
 }
 
+/// A pitch that is given may leave the fibres of a periodic piece too long or too short.
+void refuseStrain(const Fabric& fabric, const FabricParameters& p, const std::array<double, 2>& T) {
+  for (std::size_t d = 0; d < 2; ++d) {
+    double chord = T[d];
+    walkAround(fabric.curve(d, 0, 0, 0.0), fabric.span(d), p.segments, chord);
+    if (const double strain = chord / T[d] - 1.0; std::abs(strain) > 0.01)
+      throw InputError(
+          format("-weave_pitch %g: in a periodic weave this strains the bonds along %c by %.1f %%; "
+                 "without it the pitch leaves them unstretched",
+                 p.pitch, "xy"[d], 100 * strain));
+  }
+}
+
 std::unique_ptr<Scene> makeFabric(const FabricParameters& p, const SceneContext& context) {
   if (p.periodic && (p.count[0] % p.repeat() || p.count[1] % p.repeat()))
     throw InputError(format("-weave_fibres: a periodic weave of this pattern needs multiples of %d",
@@ -184,6 +206,7 @@ std::unique_ptr<Scene> makeFabric(const FabricParameters& p, const SceneContext&
   auto fabric = std::make_shared<Fabric>(p, context);
   const std::array<double, 2> T{context.kinds[p.kinds[0]].length, context.kinds[p.kinds[1]].length};
   fit(*fabric, p, std::min(T[0], T[1]));
+  if (p.periodic && p.pitch > 0) refuseStrain(*fabric, p, T);
   const int filaments = p.filaments[0] * p.filaments[1];
   const std::int64_t inLayer = static_cast<std::int64_t>(p.count[0] + p.count[1]) * filaments;
   Laying laying{"weave", nullptr, inLayer * p.layers};

@@ -298,8 +298,7 @@ std::unique_ptr<Scene> makeFilmScene(Options& options, const SceneContext& conte
               : "it met itself, for which the film is too small"));
   Laying laying{"film", mix, fibres};
   laying.segments = [=](std::int64_t f) { return mix->segments(f, p.segments); };
-  const double volume = volumeOf(laying), top = film->top(),
-               thickness = 2.0 * context.kinds.thickest(),
+  const double volume = volumeOf(laying), top = film->top(), thickness = mix->thickest(),
                factor = stretchFor(p, volume, top, thickness), height = factor * top + thickness,
                margin = 4.0 * context.kinds.longest();
   laying.line = [=](std::int64_t f) { return film->laid(f, factor); };

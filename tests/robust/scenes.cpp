@@ -257,6 +257,23 @@ TEST(Scenes, APlainWeaveFillsAFractionOfItsAreaTimesItsThickness) {
   EXPECT_NEAR(weave.volume / (960.0 * 960.0 * height) / weave.fraction, 1, 0.005);
 }
 
+TEST(Scenes, AFilmIsAsThickAsTheFibresThatAreInIt) {
+  // A kind that the film has none of adds nothing.
+  std::vector<std::string> said;
+  for (const char* kinds :
+       {"thin", "thin,thick -thick_fibre_radius 20 -thick_fibre_density 2000"}) {
+    const Folder folder;
+    const Outcome outcome = run(folder, std::string("-scene film -film_fibres 40 -film_segments 30 "
+                                                    "-film_layers 8 -ts_max_steps 0 -kinds ") +
+                                            kinds);
+    expectDone(outcome);
+    const auto at = outcome.output.find("volume fraction");
+    ASSERT_NE(at, std::string::npos) << outcome.output;
+    said.push_back(outcome.output.substr(at, outcome.output.find('\n', at) - at));
+  }
+  EXPECT_EQ(said[0], said[1]);
+}
+
 TEST(Scenes, SpringsAndHollowBraidsFillAFractionOfATube) {
   for (const char* options : {"-scene helix -helix_segments 400 -helix_fibres 2",
                               "-scene braid -braid_strands 8 -braid_segments 200"}) {
