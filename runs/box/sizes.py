@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Stiffness of pieces between grips, periodic across, beside that of the periodic box, for growing
 sizes: sizes.py [PICTURE]"""
+import argparse
 import pathlib
 import sys
 import tempfile
@@ -61,6 +62,9 @@ def between_grips(folder: str, size: int) -> float:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(prog="sizes.py", description=__doc__)
+    parser.add_argument("picture", metavar="PICTURE", nargs="?")
+    picture = parser.parse_args().picture
     rows = []
     print("| tubes | periodic, GPa | between grips, GPa | over it |\n|---|---|---|---|", flush=True)
     for size in SIZES:
@@ -72,10 +76,10 @@ def main() -> None:
     share, inverse = np.array(rows)[:, 1] / np.array(rows)[:, 0], 1 / (np.array(SIZES) - 2)
     fit = np.polyfit(inverse[1:], share[1:], 1)
     print(f"share of the periodic modulus in the limit of size: {fit[1]:.4f}")
-    if sys.argv[1:]:
+    if picture:
         line = np.linspace(0, inverse[0], 20)
-        curve.draw(sys.argv[1], ("1/(tubes - 2), the pitches between the grips",
-                                 "modulus between grips over that of the box"),
+        curve.draw(picture, ("1/(tubes - 2), the pitches between the grips",
+                             "modulus between grips over that of the box"),
                    [curve.Curve("pieces", (line, np.polyval(fit, line)), (inverse, share), "fit")])
 
 

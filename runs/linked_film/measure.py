@@ -5,6 +5,7 @@ Prints a row for each film: segments of a tube, links a tube (each counts for bo
 modulus and largest stress in GPa of a film as thick as its layers, strain at that stress."""
 from __future__ import annotations
 
+import argparse
 import pathlib
 import sys
 
@@ -63,7 +64,10 @@ def film(folder: pathlib.Path, segments: int, links: float, seed: int) -> tuple[
 
 
 def main() -> None:
-    folder = pathlib.Path(sys.argv[1]).resolve()
+    parser = argparse.ArgumentParser(prog="measure.py", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", metavar="FOLDER", type=pathlib.Path)
+    folder = parser.parse_args().folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     print("# segments, links a tube, modulus GPa, strength GPa, strain at it", flush=True)
     for segments, (*_, numbers) in FILMS.items():

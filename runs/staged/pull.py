@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Pulls the weave in stages, each stretched a little further and brought to rest by FIRE between
 two held ends; called by scripts/run with the results folder."""
+import argparse
 import pathlib
 import shutil
 import sys
@@ -71,4 +72,10 @@ def main(results: pathlib.Path) -> None:
                             (strain, rows[:, 0]), "slope of the energy")])
 
 
-problems.command(lambda: main(pathlib.Path(sys.argv[1])))
+def folder() -> pathlib.Path:
+    parser = argparse.ArgumentParser(prog="pull.py", description=__doc__)
+    parser.add_argument("results", metavar="FOLDER", type=pathlib.Path)
+    return parser.parse_args().results
+
+
+problems.command(lambda: main(folder()))

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Strength of yarns against their twist: measure.py [PICTURE]"""
+import argparse
 import pathlib
 import sys
 import tempfile
@@ -34,6 +35,9 @@ def pulled(turns: float, folder: str) -> tuple[float, float, float]:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(prog="measure.py", description=__doc__)
+    parser.add_argument("picture", metavar="PICTURE", nargs="?")
+    picture = parser.parse_args().picture
     with tempfile.TemporaryDirectory() as folder:
         rows = np.array([pulled(turns, folder) for turns in TURNS])
     print("| turns | angle, degrees | strength, MPa | broken bonds |\n|---|---|---|---|")
@@ -42,9 +46,9 @@ def main() -> None:
     square, slides = rows[:, 0]**2, (rows[:, 2] == 0) & (rows[:, 0] > 0)
     fit = np.polyfit(square[slides], np.log(rows[slides, 1]), 1)
     print(f"where fibres slide and none breaks: strength ~ exp({fit[0]:.3g} angle^2)")
-    if sys.argv[1:]:
+    if picture:
         line = np.linspace(0, square[slides].max(), 50)
-        curve.draw(sys.argv[1], ("mean angle of the fibres squared, rad^2", "strength, MPa"),
+        curve.draw(picture, ("mean angle of the fibres squared, rad^2", "strength, MPa"),
                    [curve.Curve("yarn", (line, np.exp(np.polyval(fit, line))),
                                 (square, rows[:, 1]), "exponential")], yscale="log")
 

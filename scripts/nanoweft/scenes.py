@@ -126,8 +126,8 @@ def named(scene: Scene, names: str) -> Scene:
 
 def text(value: Option) -> str:
     """An option's value as the program reads it."""
-    if isinstance(value, str):
-        return value
+    if isinstance(value, (str, os.PathLike)):
+        return os.fspath(value)
     if isinstance(value, Sequence) or np.ndim(value):
         return ",".join(text(one) for one in value)  # type: ignore[union-attr]
     return str(int(value)) if isinstance(value, (Integral, np.bool_)) else f"{value:.17g}"

@@ -100,7 +100,7 @@ def read(name: str | os.PathLike[str]) -> Table:
     except csv.Error:
         raise Unusable(f"{name}: not a CSV file") from None
     header = [cell.strip() for cell in rows[0]] if rows else []
-    if rows and len(rows[-1]) < len(header):
+    if len(rows) > 1 and (len(rows[-1]) < len(header) or not lines[-1].endswith("\n")):
         rows.pop()
     try:
         numbers = np.array(rows[1:], float).reshape(len(rows[1:]), len(header))

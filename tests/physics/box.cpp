@@ -24,8 +24,8 @@ const std::string through =
 constexpr double section = 200 * 200;
 
 TEST(Box, MayShrinkUntilNothingIsLeftForTheSkin) {
-  // The skin that a run chooses by itself, 13.56 A at first, gives way: pairs reach 54.24 A, so a box
-  // of 114 A is wide enough, and one of 106 A is not.
+  // The skin that a run chooses by itself, 13.56 A at first, gives way: pairs reach 54.24 A, so a
+  // box of 114 A is wide enough, and one of 106 A is not.
   const std::string shrinking =
       "-scene fibre -fibre_segments 14 -domain_lower 0,-95,-100 -domain_upper "
       "189.84,95,100 -domain_periodic 0,1,0 -ts_dt 20 -progress_interval 0 -deform_y rate "

@@ -334,10 +334,11 @@ TEST(StepLimit, OfWhatIsFarTooStiffIsRefused) {
   const Folder folder;
   writeState(folder / "in.h5",
              {straightFibre({0, 0, 0}, {1, 0, 0}, 4), straightFibre({0, 12, 0}, {1, 0, 0}, 4)});
-  const auto outcome = run(folder,
-                           "-scene file -scene_file in.h5 -pair hertz -hertz_stiffness 1e16 -ts_dt 1 "
-                           "-ts_max_steps 3",
-                           2);
+  const auto outcome =
+      run(folder,
+          "-scene file -scene_file in.h5 -pair hertz -hertz_stiffness 1e16 -ts_dt 1 "
+          "-ts_max_steps 3",
+          2);
   EXPECT_EQ(outcome.status, 1) << outcome.output;
   EXPECT_NE(outcome.output.find("the stable step cannot be estimated"), std::string::npos)
       << outcome.output;

@@ -415,13 +415,18 @@ class Command(FolderTest):
 
     def test_refusals(self):
         write_state(self.path("good.h5"), [line((0, 0, 0), (1, 0, 0))])
+        write_state(self.path("state.csv"), [line((0, 0, 0), (1, 0, 0))])
         with open(self.path("text.h5"), "w") as file:
             file.write("no HDF5")
         for text, *arguments in (("damaged", "text.h5"),
                                  ("2 radii given", "good.h5", "--radius", "1,2"),
                                  ("cannot write", "good.h5", "--what", "crimp", "-o", "none/a.csv"),
                                  ("'colour' is none of", "good.h5", "--what", "crimp,colour"),
-                                 ("invalid", "good.h5", "--region", "z=3,2")):
+                                 ("invalid", "good.h5", "--region", "z=3,2"),
+                                 ("is a state", "-o", "good.h5", "text.h5"),
+                                 ("is a state", "-o", "state.csv", "state.csv"),
+                                 ("different names", "good.h5", "-o", "a.csv", "--curves",
+                                  "a.csv")):
             with self.subTest(text=text):
                 done = self.analyse(*arguments)
                 self.assertIn(done.returncode, (1, 2))

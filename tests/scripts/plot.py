@@ -123,6 +123,12 @@ class Plot(FolderTest):
                            ("stress", "stress.csv")):
             self.assertGreater(np.ptp(self.draw(kind, name)), 200)
 
+    def test_a_line_that_is_not_whole_is_left_out(self):
+        for end in ("", "-3.25", "-3.25e", "-3.25e-1"):
+            with open(self.path("torn.csv"), "w") as file:
+                file.write("step,time_fs,stretch\n0,0,1\n1,10,2\n" + (end and "2,20," + end))
+            self.assertEqual(list(tables.read(self.path("torn.csv"))["stretch"]), [1, 2])
+
     def test_refusals(self):
         write_table(self.path("stress.csv"), stresses())
         with open(self.path("short.csv"), "w") as file:
@@ -147,4 +153,6 @@ class Plot(FolderTest):
 
 if __name__ == "__main__":
     nanoweft, scripts = sys.argv[1:3]
+    sys.path.insert(0, scripts)
+    from nanoweft import tables  # noqa: E402
     unittest.main(argv=sys.argv[:1])

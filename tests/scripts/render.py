@@ -116,6 +116,32 @@ class Render(FolderTest):
                             ("nowhere", "no dataset nowhere"), ("fibre/x", "no dataset")):
             self.expect_refusal(text, "in.h5", "-o", "none.png", "--color", color)
 
+    def test_every_kind_has_its_own_length_without_strain(self):
+        write_state(self.path("in.h5"), [straight((0, 0, 0), (1, 0, 0), 12),
+                                         40 / 13.56 * straight((0, 20, 0), (1, 0, 0), 6)],
+                    kind=np.repeat([0, 1], (12, 6)))
+        for fibre in (None, [6.78, 13.56, 1, 1, 1, 1, 1, 1, 20, 40, 1, 1, 1, 1, 1, 1]):
+            with h5py.File(self.path("in.h5"), "a") as file:
+                file["state/kind"].attrs["kinds"] = "thin,thick"
+                if fibre:
+                    file.create_group("run").attrs["fibre"] = np.array(fibre, float)
+            made = stage.Stage(stage.View("stretch"), [self.path("in.h5")])
+            np.testing.assert_allclose(made.values(*stage.load(self.path("in.h5"), "stretch")), 0,
+                                       atol=1e-9)
+            stage.load.cache_clear()
+
+    def test_a_group_has_one_colour_in_all_pictures_of_a_sheet(self):
+        legends = []
+        for name, masks in (("a.h5", [0, 2]), ("b.h5", [1, 2])):
+            write_state(self.path(name), [straight((0, 0, 0), (1, 0, 0), 10)],
+                        group=np.repeat(masks, 5))
+        made = stage.Stage(stage.View("group"), [self.path("a.h5"), self.path("b.h5")])
+        legends = [dict(made.colours_of(self.path(name)).legend) for name in ("a.h5", "b.h5")]
+        self.assertEqual(set(legends[0]), {"no group", "group mask 2"})
+        self.assertEqual(set(legends[1]), {"group mask 1", "group mask 2"})
+        self.assertEqual(legends[0]["group mask 2"], legends[1]["group mask 2"])
+        self.assertEqual(len({*legends[0].values(), *legends[1].values()}), 3)
+
     def test_broken_bonds(self):
         broken = np.zeros(2000, np.int8)
         broken[499] = broken[1200] = 1
@@ -320,4 +346,6 @@ class Render(FolderTest):
 
 if __name__ == "__main__":
     nanoweft, scripts = sys.argv[1:3]
+    sys.path.insert(0, scripts)
+    from nanoweft.pictures import stage  # noqa: E402
     unittest.main(argv=sys.argv[:1])

@@ -145,6 +145,20 @@ class Report(FolderTest):
         self.assertIn("every", series["note"])
         self.assertIn(series["note"], page)
 
+    def test_units_stand_beside_the_numbers(self):
+        for units, energy, speed in (("nano", "eV", "Å/fs"), ("si", "J", "m/s")):
+            columns = [np.array([0.0, 1.0])]
+            self.assertEqual(scene.describe("pair_energy", columns, units)["title"],
+                             f"pair energy, {energy}")
+            self.assertEqual(scene.describe("velocity", columns, units)["title"], f"speed, {speed}")
+
+    def test_the_strength_stays_in_a_table_that_is_thinned(self):
+        stress = np.random.default_rng(1).normal(5, 1, 20000)
+        columns = {"stress_left_GPa": stress, "stress_right_GPa": stress}
+        thin = page.thinned(tables.Table("stress.csv", columns, []))
+        self.assertLess(len(thin), 3002)
+        self.assertEqual(thin["stress_left_GPa"].max(), stress.max())
+
     def test_radius(self):
         write_state(self.path("final.h5"), [straight(0)])
         self.assertEqual(self.data(self.make()[1])["series"][0]["radii"], [6.78])
@@ -170,6 +184,9 @@ class Report(FolderTest):
 
 if __name__ == "__main__":
     nanoweft, scripts = sys.argv[1:3]
+    sys.path.insert(0, scripts)
+    from nanoweft import tables  # noqa: E402
+    from nanoweft.report import page, scene  # noqa: E402
     done = unittest.main(argv=sys.argv[:1], exit=False).result
     # CTest takes 77 for a test that was skipped.
     sys.exit(1 if not done.wasSuccessful() else 0 if CHROMIUM else 77)

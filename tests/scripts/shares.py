@@ -12,15 +12,15 @@ COUNT, T = 31, 13.56
 class Shares(FolderTest):
     """A soft and a stiff fibre side by side, pulled to 1 %."""
 
-    def pull(self, *more):
+    def pull(self, *more, test="-tension_rate 2e-6 -tension_max_strain 0.01"):
         x = np.zeros((COUNT, 3))
         x[:, 0] = np.arange(COUNT) * T
         self.write(x)
         options = ("-scene file -scene_file in.h5 -kinds soft,stiff -soft_fibre_young 500 "
-                   "-stiff_fibre_young 1500 -pair none -damping_local 0.5 -tension_rate 2e-6 "
+                   "-stiff_fibre_young 1500 -pair none -damping_local 0.5 "
                    "-tension_grip 20 -tension_width 100 -tension_thickness 17 "
-                   "-tension_max_strain 0.01 -snapshot_interval 125 "
-                   "-monitor_interval 125 -stress_monitor ascii:stress.csv " + " ".join(more))
+                   "-snapshot_interval 125 -monitor_interval 125 -stress_monitor ascii:stress.csv "
+                   + " ".join((test, *more)))
         return self.simulate(nanoweft, options)
 
     def write(self, x):
@@ -42,6 +42,21 @@ class Shares(FolderTest):
             # The motion's part is in the table alone.
             self.assertAlmostEqual(stress.sum() / virial, 1, delta=2e-3)
             self.assertAlmostEqual(stress[1] / stress.sum(), 0.75, delta=0.05)
+
+    def test_what_has_flowed_is_at_rest_longer(self):
+        last = self.pull("-soft_fibre_yield_strain 0.004", "-tension_max_strain 0.02")[-1]
+        stress = shares.stress_by_kind(shares.Pull(last, states.read(last)), states.read(last))
+        section = 2 * np.pi * 3.35 * 6.78
+        self.assertAlmostEqual(stress[0] / (500 * 0.004 * section / 1700), 1, delta=0.02)
+
+    def test_a_piece_that_is_let_back_has_its_snapshots_in_order_of_time(self):
+        frames = self.pull(test="-tension_program 0.006,2e-6,0.002,2e-6")
+        done = self.shares(*reversed(frames), "-o", "out.png")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        strains = [float(line.split()[0]) for line in done.stdout.splitlines()[1:-1]]
+        pulled = [shares.Pull(name, states.read(name)).strain for name in frames]
+        self.assertEqual(strains, [float(f"{100 * strain:.3f}") for strain in pulled])
+        self.assertLess(strains[-1], max(strains))
 
     def test_a_broken_kind_carries_nothing(self):
         last = self.pull("-soft_break_strain_mean 0.004 -soft_break_strain_std 0",

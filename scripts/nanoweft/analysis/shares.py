@@ -36,8 +36,8 @@ class Pull:
 
 
 def stress_by_kind(pull: Pull, state: State) -> Array:
-    """Stress [kinds] along the pull, GPa, by the axial forces B1 (r - T) of the bonds: their sum
-    over a cross-section, averaged over all between the grips, over the area."""
+    """Stress [kinds] along the pull, GPa, by the axial forces B1 (r - T - rest extension) of the
+    bonds: their sum over a cross-section, averaged over all between the grips, over the area."""
     numbers = np.reshape(state.run["fibre"], (-1, NUMBERS))
     tubes = find_tubes(state)
     begin, end = tubes.position[tubes.first], tubes.position[tubes.second]
@@ -45,8 +45,10 @@ def stress_by_kind(pull: Pull, state: State) -> Array:
     length = np.linalg.norm(apart, axis=1)
     length[length == 0] = np.inf  # a segment without bonds
     kind = state["kind"][tubes.first]
-    force = np.where(np.isinf(length), 0,
-                     numbers[kind, STIFFNESS] * (length - numbers[kind, LENGTH]))
+    rest = numbers[kind, LENGTH]
+    if "rest_extension" in state:
+        rest = rest + state["rest_extension"][tubes.first]
+    force = np.where(np.isinf(length), 0, numbers[kind, STIFFNESS] * (length - rest))
     # A bond takes part in the cross-sections that it passes.
     inside = np.clip([begin[:, pull.axis], end[:, pull.axis]], pull.left, pull.right)
     passed = np.abs(inside[1] - inside[0]) / (pull.right - pull.left)

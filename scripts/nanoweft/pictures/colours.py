@@ -54,14 +54,15 @@ class Colours(NamedTuple):
     legend: Legend = ()   # pairs of text and colour
 
 
-def values_of(how: str, state: State, tubes: Tubes, natural: float) -> Array | None:
-    """The number behind each tube's colour; None where colours are no scale."""
+def values_of(how: str, state: State, tubes: Tubes, rest: Array) -> Array | None:
+    """The number behind each tube's colour; None where colours are no scale. `rest`: the length of
+    each tube without strain."""
     position, first, second, _ = tubes
     if how == "height":
         return np.asarray((position[first, 2] + position[second, 2]) / 2)
     if how == "stretch":
         length = np.linalg.norm(position[second] - position[first], axis=1)
-        return np.where(first == second, 0, 100 * (length / natural - 1))
+        return np.where(first == second, 0, 100 * (length / rest - 1))
     if state.values is not None:
         return np.asarray((state.values[first] + state.values[second]) / 2)
     return None
@@ -81,14 +82,15 @@ def natural_range(how: str, values: Array) -> Limits:
 
 
 def colour(how: str, state: State, tubes: Tubes, palette: Palette,
-           scale: tuple[Array, Limits] | None) -> Colours:
-    """`scale`: numbers of the tubes, as `values_of` has them, and the range of the colours."""
+           scale: tuple[Array, Limits] | None, masks: Array) -> Colours:
+    """`scale`: numbers of the tubes, as `values_of` has them, and the range of the colours;
+    `masks`: those of all groups that pictures made together show."""
     if how == "fibre":
         return by_fibre(state["fibre"], tubes, palette)
     if how == "kind":
         return by_kind(state, tubes, palette)
     if how == "group":
-        return by_group(state, tubes)
+        return by_group(state, tubes, masks)
     if how == "broken":
         return by_breaks(state, tubes)
     return by_scale(how, state.units, palette,
@@ -134,12 +136,14 @@ def shaded(rgb: Array, rank: Array, by: float = 0.28) -> Array:
     return np.asarray(np.minimum(rgb * shade[:, None], 1))
 
 
-def by_group(state: State, tubes: Tubes) -> Colours:
-    masks, which = np.unique(state["group"][tubes[1]], return_inverse=True)
+def by_group(state: State, tubes: Tubes, masks: Array) -> Colours:
+    """The same colour for a mask in all pictures that show `masks`, which are in order."""
+    group = state["group"][tubes[1]]
+    which = np.searchsorted(masks, group)
     others = iter(GROUPS[1:] * len(masks))
     palette = [GROUPS[0] if mask == 0 else next(others) for mask in masks]
     legend = tuple((f"group mask {mask}" if mask else "no group", c) for mask,
-                   c in zip(masks, palette))
+                   c in zip(masks, palette) if (group == mask).any())
     return Colours(np.array([to_rgb(c) for c in palette])[which], None, legend)
 
 

@@ -11,6 +11,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from .. import states
+from ..kinds import NUMBERS
 from ..problems import Unusable
 from ..states import State, StateFile, Tubes
 from . import colours, light
@@ -19,7 +20,7 @@ from .tubes import camera, tangents
 
 Array = NDArray[Any]
 
-WANTED = ("position", "fibre", "index", "image", "group", "bond_broken", "kind")
+WANTED = ("position", "fibre", "index", "image", "group", "bond_broken", "kind", "rest_extension")
 THINNEST = 1.15  # radius in pixels, below which over and under could not be told apart
 DARK, LIGHT = "#15171B", "#E8E8E8"
 
@@ -28,6 +29,20 @@ DARK, LIGHT = "#15171B", "#E8E8E8"
 def load(name: str, color: str) -> tuple[State, Tubes]:
     state = states.read(name, WANTED, None if color in colours.NAMED else color)
     return state, states.find_tubes(state)
+
+
+def rest_lengths(state: State, tubes: Tubes, given: float | None) -> Array:
+    """Of a bond of each kind without strain [kinds]: the one given, the run's, or the median."""
+    count = len(state.kinds)
+    if given:
+        return np.full(count, given)
+    if "fibre" in state.run:
+        return np.reshape(state.run["fibre"], (-1, NUMBERS))[:, 1].astype(float)
+    position, first, second, _ = tubes
+    length, bond = np.linalg.norm(position[second] - position[first], axis=1), first != second
+    usual = np.median(length[bond]) if bond.any() else 1.0
+    of = [length[bond & (state["kind"][first] == k)] for k in range(count)]
+    return np.array([np.median(one) if len(one) else usual for one in of])
 
 
 def usual_colour(file: str) -> str:
@@ -83,20 +98,26 @@ class Stage:
         self.paper = DARK if options.dark else "white"
         self.palette = colours.BLACK if options.dark else colours.WHITE
         self.ink = LIGHT if options.dark else DARK
-        state, (position, first, second, _) = load(files[0], self.how)
+        state, tubes = load(files[0], self.how)
         self.units = state.units
-        length = np.linalg.norm(position[second] - position[first], axis=1)[first != second]
-        self.natural = (options.length or state.attributes.get("segment_length")
-                        or (np.median(length) if len(length) else 1))
+        self.lengths = rest_lengths(state, tubes, options.length)
         self.given = options.radius
         self.solids = [(np.array(row[:3]), np.array(row[-4:-1]), row[-1]) for row in options.solids]
-        self.usual = 6.78 if self.units == "nano" else 0.5 * self.natural
+        self.usual = 6.78 if self.units == "nano" else 0.5 * float(self.lengths.min())
+        self.masks = np.array([], int)  # of the groups of all files
         self.survey(files, options.limits)
         self.middle = (self.low + self.high) / 2
         if options.center:
             self.middle = self.eye @ (*options.center, self.height)[:3]
         across = np.maximum((self.high - self.low)[:2], 2 * self.thin)
         self.aspect = np.clip(across[0] / across[1], 0.4, 2.5)
+
+    def values(self, state: State, tubes: Tubes) -> Array | None:
+        """What tells the colours of the tubes, if numbers do."""
+        rest = self.lengths[state["kind"][tubes.first]]
+        if "rest_extension" in state:
+            rest = rest + state["rest_extension"][tubes.first]
+        return colours.values_of(self.how, state, tubes, rest)
 
     def radius(self, state: State) -> Array:
         try:
@@ -118,7 +139,9 @@ class Stage:
             heights.append(np.percentile(tubes[0][:, 2], [0, 50, 100]))
             if self.how == "kind" and state.kinds.names != load(files[0], self.how)[0].kinds.names:
                 raise Unusable(f"{name}: of other kinds than {files[0]}")
-            values = colours.values_of(self.how, state, tubes, self.natural)
+            values = self.values(state, tubes)
+            if self.how == "group":
+                self.masks = np.union1d(self.masks, state["group"])
             if values is not None and not limits:
                 ranges.append(colours.natural_range(self.how, values))
         self.low, self.high = np.min(low, axis=0), np.max(high, axis=0)
@@ -132,9 +155,9 @@ class Stage:
 
     def colours_of(self, name: str) -> colours.Colours:
         state, tubes = load(name, self.how)
-        values = colours.values_of(self.how, state, tubes, self.natural)
+        values = self.values(state, tubes)
         scale = None if values is None or not self.limits else (values, self.limits)
-        result = colours.colour(self.how, state, tubes, self.palette, scale)
+        result = colours.colour(self.how, state, tubes, self.palette, scale, self.masks)
         if self.marked:
             result = result._replace(legend=result.legend + (("broken bonds", colours.BREAK),))
         if len(state.links):

@@ -130,7 +130,8 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
     low = np.min([x.min(axis=0) for x in positions], axis=0).astype(float)
     high = np.max([x.max(axis=0) for x in positions], axis=0).astype(float)
     span = np.maximum(high - low, 1e-9 * max(1.0, float(np.abs(high).max())))
-    fields = [describe(name, c) for name, c in columns.items() if len(c) == len(chosen.frames)]
+    fields = [describe(name, c, first.units) for name, c in columns.items()
+              if len(c) == len(chosen.frames)]
     runs, closed = fibre_runs(first, rows)
     masks, group = np.unique(first["group"][rows], return_inverse=True)
     unit, size = length_unit(float(span.max()), first.units)
@@ -145,7 +146,7 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
         "groups": [int(mask) for mask in masks], "group": encoded(group.astype(np.uint8)),
         "frames": [frame_data(chosen.frames[k], positions[k], torn[k], low, span)
                    for k in range(len(chosen.frames))],
-        "fields": fields, "note": chosen.note, "curve": curve(series)}
+        "fields": fields, "note": chosen.note, "curve": curve(series, first.units)}
 
 
 def radii_of(state: State, given: tuple[float, ...]) -> list[float]:
@@ -165,20 +166,20 @@ def frame_data(frame: Header, position: Array, torn: Array, low: Array,
             "position": encoded(share), "torn": np.flatnonzero(torn).tolist()}
 
 
-def describe(name: str, columns: list[Array]) -> dict[str, Any]:
+def describe(name: str, columns: list[Array], units: str) -> dict[str, Any]:
     factor, title = ((100.0, "strain of the bonds, %") if name == "strain" else
                      (1.0, name.replace("_", " ")))
     if name.endswith("energy"):
-        title += ", eV"
+        title += ", J" if units == "si" else ", eV"
     if name == "velocity":
-        title = "speed, Å/fs"
+        title = "speed, m/s" if units == "si" else "speed, Å/fs"
     scaled = [factor * column for column in columns]
     low, high = limits(scaled)
     return {"name": name, "title": title, "low": low, "high": high,
             "values": [encoded(quantised(column, low, high)) for column in scaled]}
 
 
-def curve(series: Series) -> dict[str, Any] | None:
+def curve(series: Series, units: str) -> dict[str, Any] | None:
     """What stands beside the fabric: stress over strain, else the elastic energy over time."""
     if series.stress is not None:
         t = series.stress
@@ -187,8 +188,9 @@ def curve(series: Series) -> dict[str, Any] | None:
                       ("stress over strain", "strain, %", "stress, GPa", "broken bonds"))
     if series.energy is not None:
         t = series.energy
-        ps = 1e12 * t.time
-        return points(t.time, ps, t.elastic, None, ("elastic energy", "time, ps", "energy, eV", ""))
+        ps, unit = 1e12 * t.time, "J" if units == "si" else "eV"
+        return points(t.time, ps, t.elastic, None,
+                      ("elastic energy", "time, ps", f"energy, {unit}", ""))
     return None
 
 
