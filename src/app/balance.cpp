@@ -30,6 +30,8 @@ class Balance : public Observer {
   void observe(const Moment& moment) override {
     if (!isDue(moment, interval)) return;
     const System& s = moment.system;
+    // A load that still grows has not acted yet.
+    if (s.boundaries.loadsGrow(s.state.time)) return;
     balanced_ = largestResidual(s.state, s.forces, s.boundaries) <= largest_;
   }
   Verdict verdict(const Moment&) const override {

@@ -129,6 +129,11 @@ void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
   PetscPrintf(comm, "  %sbonds break at a strain %s, one draw per %s%s, seed %llu\n",
               ofKind(fibre).c_str(), strain.c_str(), law.perFibre ? "fibre" : "bond", along.c_str(),
               static_cast<unsigned long long>(law.seed));
+  if (const double share = law.shareWithoutStrength(); share > 1e-6)
+    PetscPrintf(comm,
+                "  warning: %.2g %% of the draws are no strength at all, and their bonds break at "
+                "once: take a smaller -break_strain_std or -break_scatter\n",
+                100 * share);
 }
 
 void printLinksOf(MPI_Comm comm, std::int64_t count, const LinkLaw& law, const UnitSystem& units) {

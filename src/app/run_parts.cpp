@@ -321,6 +321,12 @@ void RunParts::chooseStep() {
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
                "that (or -ts_dt_unsafe)",
                dt, limits.present, plan->units.time));
+  for (const Wall& w : plan->walls)
+    if (dt * w.drag > 2.0 * w.mass && w.driven())
+      throw InputError(
+          format("-ts_dt %g: -%s_drag stops the wall within it; at most twice its mass "
+                 "over its drag, %.4g %s",
+                 dt, w.name.c_str(), 2.0 * w.mass / w.drag, plan->units.time));
   stepper = settings.stepper->make(
       plan->kinds, {dt, settings.damping, settings.thermostat, settings.fireMaxMove});
   if (!plan->checkpoint) return;

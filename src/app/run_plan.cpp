@@ -117,6 +117,39 @@ void RunPlan::refuseBesideShear() const {
     throw InputError(what + ": not together with a tension test, which has grips");
 }
 
+void RunPlan::refuseWithoutRest() const {
+  const std::string end = "-relax_force: ends a run where no force is left; ";
+  if (boundaries.tension()) throw InputError(end + "a tension test goes on moving its grips");
+  for (const Boundary& b : boundaries.list())
+    if (b.moves())
+      throw InputError(end + "-" + b.name + (b.spin ? "_spin" : "_velocity") + " keeps it moving");
+  for (const Wall& w : walls)
+    if (w.moves() || w.driven()) throw InputError(end + "the wall " + w.name + " moves");
+  if (boxDrive) throw InputError(end + "it does not look at the stress of a box that is driven");
+}
+
+void RunPlan::refuseWallsAcross() const {
+  for (const Wall& w : walls)
+    for (int d = 0; d < 3; ++d) {
+      if (!box.periodic[d]) continue;
+      const double along[3] = {w.axis.x, w.axis.y, w.axis.z};
+      const double part = std::abs(along[d]);
+      const std::string name = "-walls " + w.name + ": ",
+                        where = format("periodic along %c", "xyz"[d]);
+      if (w.shape == Wall::plane && part > 1e-9)
+        throw InputError(name + "the box is " + where + ", so a plane across it is no wall");
+      if (w.shape == Wall::cylinder && part > 1e-9 && part < 1 - 1e-9)
+        throw InputError(name + "the box is " + where +
+                         ", which the cylinder's axis must follow or be across");
+      if (w.shape != Wall::plane && !(w.shape == Wall::cylinder && part > 0.5) &&
+          w.radius > 0.5 * box.length(d))
+        throw InputError(
+            name + format("-%s_radius %g: the box is %s, where it is %g %s long; at most "
+                          "half of that",
+                          w.name.c_str(), w.radius, where.c_str(), box.length(d), units.length));
+    }
+}
+
 void RunPlan::refuseContradictions() const {
   refuseSharedNames();
   if (!settings.maxSteps && !settings.maxTime && settings.relaxTolerance == 0 &&
@@ -128,6 +161,8 @@ void RunPlan::refuseContradictions() const {
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   refuseBesideShear();
   if (minimises()) refuseForMinimiser();
+  if (settings.relaxForce > 0) refuseWithoutRest();
+  refuseWallsAcross();
   if (settings.thermostat && settings.thermostat->kelvin > 0 &&
       (settings.relaxTolerance > 0 || settings.relaxForce > 0))
     throw InputError(

@@ -47,6 +47,17 @@ double BreakageLaw::normal(std::int64_t fibre, std::uint32_t counter, double dra
   return normalQuantileOfTail(std::log(u) / draws);
 }
 
+double BreakageLaw::shareWithoutStrength() const {
+  if (weibull && !(perFibre && scatter > 0)) return 0;
+  // Of the weakest of several: 1 - (1 - F)^draws.
+  auto below = [](double sigmas, double draws) {
+    return -std::expm1(draws * std::log1p(-0.5 * std::erfc(sigmas / sqrt2)));
+  };
+  const double mains =
+      weibull || deviation == 0 ? 0.0 : below(mean / deviation, perFibre ? 1.0 : diameters);
+  return mains + (perFibre && scatter > 0 ? below(1.0 / scatter, diameters) : 0.0);
+}
+
 double BreakageLaw::criticalStrain(std::int64_t fibre, std::int32_t index,
                                    std::int32_t segments) const {
   const auto own = static_cast<std::uint32_t>(index);

@@ -196,8 +196,8 @@ PairChoice readChoice(const PairReader& read) {
   choice.single =
       ofVdw.choice("pair_precision", enough ? "single" : "double", {"double", "single"},
                    "of the law's values and of their sums over a pair's points, pairs of two kinds "
-                   "always in double; with -pair_accuracy single where the build is for AVX-512") ==
-      "single";
+                   "with segments of different lengths always in double; with -pair_accuracy "
+                   "single where the build is for AVX-512") == "single";
   if (choice.single && !singlePrecisionPays())
     throw InputError(
         "-pair_precision single: needs a build for AVX-512 (-DNANOWEFT_ARCH=x86-64-v4 or native "

@@ -30,6 +30,16 @@ double between(Type::Rule rule, double x, double y) {
   return rule == Type::geometric ? std::sqrt(x) * std::sqrt(y) : 0.5 * (x + y);
 }
 
+/// With defaults for what no option says, where the law has some.
+Type::Values completed(const Type& type, const Type::Values& given) {
+  Type::Values all;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const auto fallback = type.parameters[k].fallback;
+    all.push_back(std::isnan(given[k]) && fallback ? fallback(all) : given[k]);
+  }
+  return all;
+}
+
 /// The values that hold, where an option, the default of a law or that between kinds says them.
 Type::Values readValues(const PairReader& read, const Type& type, Type::Values& values) {
   OptionSection section = read.of(type.name);
@@ -41,7 +51,10 @@ Type::Values readValues(const PairReader& read, const Type& type, Type::Values& 
     const Bounds bounds{0.0, p.most, std::isinf(p.most)};
     if (const auto given = section.maybeReal(p.name, p.shown, unit.c_str(), p.help, bounds))
       values[k] = *given;
-    complete.push_back(std::isnan(values[k]) && p.fallback ? p.fallback(complete) : values[k]);
+    // Where two kinds have two values that must be equal, neither holds, nor any other.
+    const bool usual =
+        std::isnan(values[k]) && p.fallback && !(read.mixed() && p.rule == Type::equal);
+    complete.push_back(usual ? p.fallback(complete) : values[k]);
     if (read.is(type.name) && std::isnan(complete[k]))
       throw InputError(format("%s: the law %s needs it: the %s, in %s", read.option(p.name).c_str(),
                               type.name, p.help, unit.c_str()));
@@ -80,7 +93,8 @@ std::string describe(const PairReader& read, const Type& type, const Type::Value
 SurfaceValues surfaceValuesBetween(const SurfaceValues& a, const SurfaceValues& b) {
   SurfaceValues values;
   for (const Type& type : surfaceLaws()) {
-    const Type::Values &ofA = a.at(type.name), &ofB = b.at(type.name);
+    const Type::Values ofA = completed(type, a.at(type.name)),
+                       ofB = completed(type, b.at(type.name));
     for (std::size_t k = 0; k < type.parameters.size(); ++k)
       values[type.name].push_back(between(type.parameters[k].rule, ofA[k], ofB[k]));
   }

@@ -99,6 +99,14 @@ class WallReader {
                        " drives the wall");
     w.mass = mass.value_or(0.0) * units_.mass;
     w.drag = real("_drag", 0.0, nonNegative);
+    if (w.drag > 0 && !w.driven())
+      throw InputError(option("_drag") + ": not used by this run, no " + option("_force") +
+                       " drives the wall");
+    if (w.stop > 0 && !w.moves())
+      throw InputError(option("_stop") + ": not used by this run: it ends " + option("_velocity") +
+                       " and " + option("_spin"));
+    if (w.ramp > 0 && !w.moves() && !w.driven())
+      throw InputError(option("_ramp") + ": not used by this run, whose wall stands still");
   }
 
   void readLaw(Wall& w, const Kinds& kinds) {

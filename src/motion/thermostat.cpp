@@ -76,7 +76,7 @@ std::optional<Thermostat> readThermostat(Options& options, const UnitSystem& uni
     throw InputError(
         format("-temperature %g: give -temperature_damping, too, the rate (%s) at which velocities "
                "follow the thermostat; %g lets the motion of stiff fibres be what it is",
-               *kelvin, rate.c_str(), 1e-12 / units.secondsPerTime));
+               *kelvin, rate.c_str(), 1e12 * units.secondsPerTime));
   const double perKelvin = codata::boltzmann / codata::electronvolt * units.electronvolt;
   return Thermostat{*kelvin, perKelvin * *kelvin, *damping, drawsStart, seed};
 }

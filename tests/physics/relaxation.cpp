@@ -181,5 +181,22 @@ TEST(Fire, AFibreThatFallsFarComesToRestOnOthers) {
   EXPECT_NE(free.output.find("unstable at step"), std::string::npos) << free.output;
 }
 
+TEST(Relaxation, WaitsForALoadThatGrows) {
+  // A straight fibre is at rest until the load at its tip has grown.
+  const Folder folder;
+  const auto outcome =
+      run(folder,
+          "-scene fibre -fibre_segments 11 -pair none -relax_method fire -relax_force 1e-6 "
+          "-ts_max_steps 100000 -bc root,tip -root_region -1,-1,-1,1,1,1 -root_fix 1,1,1 "
+          "-root_fix_rotation -tip_region 135,-1,-1,136,1,1 -tip_force 0,0.01,0 -tip_ramp 2000 "
+          "-state_output out.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // F L^3/(3 EJ) with EJ = 22350 eV A, and a little shear.
+  const double L = 10 * 13.56;
+  EXPECT_NEAR(
+      readDataset(folder / "out.h5", "/state/position")[31] / (0.01 * L * L * L / (3 * 22350)), 1,
+      0.03);
+}
+
 }  // namespace
 }  // namespace nanoweft::test

@@ -194,6 +194,20 @@ TEST(Walls, FibresInsideThemAreRefusedAndDeepContactsWarnOnce) {
   }
 }
 
+TEST(Walls, FrictionThatHoldsAFibreIsPartOfItsEquilibrium) {
+  // Pressed down and drawn aside by less than friction bears: at rest, and the run ends so.
+  const Folder folder;
+  const auto outcome = run(
+      folder,
+      "-scene fibre -fibre_segments 3 -pair none -walls floor -floor_point 0,0,-6.7 -floor_axis "
+      "0,0,1 -floor_modulus 10 -floor_friction 0.5 -floor_restitution 0.5 -bc all -all_region "
+      "-100,-100,-100,100,100,100 -all_fix_rotation -all_force 0,0.02,-0.1 -damping_local 0.3 "
+      "-ts_dt 10 "
+      "-relax_force 1e-4 -ts_max_steps 200000");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("converged: no force"), std::string::npos) << outcome.output;
+}
+
 TEST(Walls, ThatCannotBeMeantAreRefused) {
   const Folder folder;
   const std::string fibre = "-scene fibre -fibre_segments 5 -pair none -ts_max_steps 1 ";
@@ -217,7 +231,24 @@ TEST(Walls, ThatCannotBeMeantAreRefused) {
        {"-walls w", "-bc"}},
       {"-wall_monitor ascii:w.csv", {"-wall_monitor", "-walls"}},
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_velocity 0,0,1 -relax_method fire",
-       {"wall w"}}};
+       {"wall w"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_drag 1", {"-w_drag", "-w_force"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_force 0,0,1 -w_mass 9 -w_stop 5",
+       {"-w_stop", "not used"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_ramp 5", {"-w_ramp", "still"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_force 0,0,1 -w_mass 9 -w_drag 1e9",
+       {"-ts_dt", "-w_drag"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_velocity 0,0,1e-5 -relax_force 1",
+       {"-relax_force", "wall w"}},
+      {"-domain_periodic 0,0,1 -domain_lower -90,-90,-90 -domain_upper 90,90,90 -walls w -w_point "
+       "0,0,-20 -w_axis 0,0,1 -w_modulus 10",
+       {"-walls w", "periodic along z"}},
+      {"-domain_periodic 0,0,1 -domain_lower -90,-90,-90 -domain_upper 90,90,90 -walls w -w_point "
+       "0,60,0 -w_axis 0,1,1 -w_shape cylinder -w_radius 9 -w_modulus 10",
+       {"-walls w", "periodic along z", "axis"}},
+      {"-domain_periodic 0,0,1 -domain_lower -90,-90,-90 -domain_upper 90,90,90 -walls w -w_point "
+       "0,0,0 -w_inside -w_shape sphere -w_radius 95 -w_modulus 10",
+       {"-w_radius 95", "periodic along z", "half"}}};
   for (const auto& c : cases) expectRefused(run(folder, fibre + c.options), c.says);
 }
 

@@ -357,6 +357,10 @@ const std::vector<Case> cases = {
     {"BridgeThatDoesNotWet",
      fibre + "-pair capillary -capillary_tension 0.0045 -capillary_angle 2",
      {"-capillary_angle 2", "at most 1.57"}},
+    {"AnglesOfTwoKinds",
+     "-kinds a,b -weave_kinds a,b -pair capillary,contact -capillary_tension 0.0045 "
+     "-capillary_volume 1000 -contact_modulus 10 -a_a_capillary_angle 0.5 -ts_max_steps 1",
+     {"-a_b_capillary_angle", "needs it"}},
     {"OneRangeForTwoLaws",
      fibre + "-pair vdw,hydrogen -hydrogen_energy 0.02 -hydrogen_gap 3 -pair_gap_cutoff 30",
      {"-pair_gap_cutoff", "not used", "-vdw_gap_", "-hydrogen_gap_"}},
@@ -465,6 +469,12 @@ const std::vector<Case> cases = {
      weave + "-relax_method fire -ts_dt 60",
      {"-ts_dt 60", "stable step"}},
     {"RelaxMethodNothing", fibre + "-relax_method slow", {"-relax_method 'slow'", "fire"}},
+    {"RestOfATensionTest",
+     fibre + "-relax_force 1 -tension_rate 1e-6 -tension_grip 20 -tension_width 10",
+     {"-relax_force", "tension test"}},
+    {"RestOfAMovingGroup",
+     fibre + "-relax_force 1 -bc a -a_region -99,-99,-99,99,99,99 -a_velocity 0,0,1e-5",
+     {"-relax_force", "-a_velocity"}},
     {"NegativeForceTolerance", fibre + "-relax_force -1", {"-relax_force -1", "at least 0"}},
     // Output that must not be lost, or cannot be written.
     {"ForeignStateOutput",

@@ -80,6 +80,20 @@ TEST(BreakageLaw, ABondHasTheDistributionOfTheWeakestOfItsDiameters) {
   }
 }
 
+TEST(BreakageLaw, KnowsTheShareOfDrawsWithoutStrength) {
+  for (const double length : {1.0, 2.5}) {
+    BreakageLaw law = lawFor(length * diameter);
+    law.deviation = 0.15;  // a half of the mean
+    int below = 0;
+    const auto strains = draw(law, 200, 100);
+    for (const double strain : strains) below += strain < 0;
+    const double share = law.shareWithoutStrength(), n = static_cast<double>(strains.size());
+    EXPECT_NEAR(below / n, share, 4 * std::sqrt(share / n)) << length;
+    EXPECT_NEAR(share, 1.0 - std::pow(normalTail(-2.0), length), 1e-12);
+  }
+  EXPECT_LT(lawFor(diameter).shareWithoutStrength(), 1e-8);
+}
+
 TEST(BreakageLaw, AFibreIsAsStrongHoweverFinelyItIsCut) {
   // 40 diameters cut into bonds of rf, 2 rf and 4 rf: the weakest has one and the same law.
   const int fibres = 4000;

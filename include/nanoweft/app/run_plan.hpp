@@ -65,6 +65,10 @@ struct RunPlan {
   void readBox(Options& options);
   void refuseContradictions() const;
   void refuseForMinimiser() const;
+  /// -relax_force, where something keeps the fibres from rest.
+  void refuseWithoutRest() const;
+  /// Walls that a periodic box cuts.
+  void refuseWallsAcross() const;
   /// Prefixes of options must tell what they belong to.
   void refuseSharedNames() const;
   void refuseBesideShear() const;

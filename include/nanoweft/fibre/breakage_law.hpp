@@ -34,6 +34,9 @@ struct BreakageLaw {
   /// Critical strain of the bond from segment `index` of `fibre`, which has `segments` segments, to
   /// its successor.
   double criticalStrain(std::int64_t fibre, std::int32_t index, std::int32_t segments) const;
+  /// The share of the draws (of bonds, or of fibres) that are below zero: these bonds break at
+  /// once.
+  double shareWithoutStrength() const;
 
  private:
   double normal(std::int64_t fibre, std::uint32_t counter, double draws) const;

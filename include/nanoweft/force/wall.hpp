@@ -37,6 +37,7 @@ struct Wall {
   Vec3d speed;  ///< of a driven wall
 
   bool driven() const { return norm(force) > 0; }
+  bool moves() const { return norm(velocity) > 0 || spin != 0; }
   Vec3d at() const { return point + moved; }
   double factor(double time) const { return ramp > 0 && time < ramp ? time / ramp : 1.0; }
   /// Way of a prescribed motion at a time.

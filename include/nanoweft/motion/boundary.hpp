@@ -46,6 +46,7 @@ struct Boundary {
   /// Where the centre is; there must be one.
   Vec3d centreAt(double time) const;
   bool moves() const { return norm(velocity) > 0 || spin.value_or(0.0) != 0; }
+  bool loads() const { return norm(force) > 0 || norm(torque) > 0; }
   bool constrains() const { return fix[0] || fix[1] || fix[2] || fixRotation; }
 };
 
@@ -64,6 +65,12 @@ class Boundaries {
   void save(RunRecord& record, double time) const;
 
   bool any() const { return !boundaries_.empty(); }
+  /// Has some load not grown to what it shall be?
+  bool loadsGrow(double time) const {
+    for (const Boundary& b : boundaries_)
+      if (b.loads() && b.factor(time) < 1.0) return true;
+    return false;
+  }
   const std::vector<Boundary>& list() const { return boundaries_; }
   const std::optional<Tension>& tension() const { return tension_; }
   /// Does the tension test of an earlier stage go on?

@@ -1,5 +1,5 @@
-/// The residual of a segment: the force and torque of bonds, pairs and loads on it, less components
-/// that a boundary holds. It is zero in equilibrium.
+/// The residual of a segment: the force and torque of bonds, pairs, friction and loads on it, less
+/// components that a boundary holds. It is zero in equilibrium.
 #pragma once
 
 #include "nanoweft/force/force_field.hpp"
@@ -15,11 +15,14 @@ struct Residual {
 /// Adds the loads at State::time and sets the components that a boundary holds to zero.
 void applyBoundaries(Residual& residual, const State& state, const Boundaries& boundaries, int i);
 
-/// Residual of the owned segment i, with State::force and torque as they were last evaluated.
+/// Residual of the owned segment i, with State::force, torque and viscous as they were last
+/// evaluated.
 inline Residual residualOf(const State& state, const Boundaries& boundaries, int i) {
   const double* f = state.force + 3 * i;
   const double* t = state.torque + 3 * i;
   Residual residual{{f[0], f[1], f[2]}, {t[0], t[1], t[2]}};
+  if (const double* held = state.viscous ? state.viscous + 6 * i : nullptr)
+    for (int c = 0; c < 3; ++c) residual.force[c] += held[c], residual.torque[c] += held[3 + c];
   if (state.group[i] & boundaries.mask()) applyBoundaries(residual, state, boundaries, i);
   return residual;
 }
