@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Where this package is installed, the program lies beside share/.
 PROGRAM = pathlib.Path(os.environ.get("NANOWEFT_PROGRAM") or (
     ROOT / "build/bin/nanoweft" if (ROOT / "CMakeLists.txt").exists()
-    else ROOT.parents[1] / "bin/nanoweft"))
+    else ROOT.parents[1] / "bin/nanoweft")).absolute()
 
 
 @functools.lru_cache(maxsize=1)

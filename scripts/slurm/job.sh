@@ -47,7 +47,8 @@ srun) launch=(srun --ntasks="$ranks" --cpus-per-task="$threads" --cpu-bind=cores
 esac
 
 restart=()
-if ((submission > 0)) && [[ -e $checkpoint ]]; then
+# A job that Slurm has put back into the queue goes on, too.
+if ((submission > 0 || ${SLURM_RESTART_COUNT:-0} > 0)) && [[ -e $checkpoint ]]; then
     restart=(-restart "$checkpoint")
 fi
 

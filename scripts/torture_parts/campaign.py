@@ -85,15 +85,24 @@ class Campaign:
             self.counts += trial.counts
             self.counts[f"trials of {name}"] += 1
             if trial.failures:
-                kept = trial.keep(self.failed)
-                line = f"{name} {number}: {trial.failures[0]} ({kept})"
+                line = f"{name} {number}: {trial.failures[0]}"
                 self.failures.append(line)
+                try:
+                    line += f" ({trial.keep(self.failed)})"
+                except OSError as error:
+                    line += f" (its folder is lost: {error})"
+                self.failures[-1] = line
                 print(line, flush=True)
         trial.remove()
 
     def _work(self) -> None:
-        while drawn := self._draw():
-            self._attempt(*drawn)
+        try:
+            while drawn := self._draw():
+                self._attempt(*drawn)
+        except Exception:
+            with self.lock:
+                self.failures.append("a worker: " + traceback.format_exc())
+                print(self.failures[-1], file=sys.stderr, flush=True)
 
     def run(self, workers: int) -> bool:
         """Whether nothing went wrong."""
@@ -105,6 +114,7 @@ class Campaign:
                 thread.join()
         except KeyboardInterrupt:
             print("stopped", file=sys.stderr)
+            return False
         return not self.failures
 
     def table(self) -> str:

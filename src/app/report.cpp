@@ -248,6 +248,9 @@ void printStep(const RunParts& parts) {
       PetscPrintf(plan.comm,
                   "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",
                   stepper.longest());
+    if (stepper.dt() > parts.limits.present && !plan.settings.unsafeStep)
+      PetscPrintf(plan.comm, "  warning: -ts_dt %g is beyond the stable step of this state\n",
+                  stepper.dt());
     warnOfSticking(parts, parts.limits.present, "  ");
   }
   if (plan.minimises())

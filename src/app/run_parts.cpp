@@ -316,7 +316,9 @@ void RunParts::chooseStep() {
   const RunSettings& settings = plan->settings;
   if (!evaluatesOnly()) limits.note(presentStepLimit(*state, *forces, domain->halo()));
   const double dt = settings.dt ? *settings.dt : defaultTimeStep();
-  if (!evaluatesOnly() && dt > limits.present && !settings.unsafeStep)
+  // A run that has gone on beyond the stable step, with a warning, goes on so after a restart.
+  const bool chosen = !plan->checkpoint || plan->stepIsNew;
+  if (!evaluatesOnly() && dt > limits.present && !settings.unsafeStep && chosen)
     throw InputError(
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
                "that (or -ts_dt_unsafe)",

@@ -1,6 +1,7 @@
 #include <petscsys.h>
 
 #include "nanoweft/app/observers.hpp"
+#include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
 
@@ -27,7 +28,12 @@ class StepWatch : public Observer {
 void StepWatch::observe(const Moment& moment) {
   if (!isDue(moment, interval_)) return;
   System& s = moment.system;
-  const double limit = presentStepLimit(s.state, s.forces, s.domain.halo());
+  double limit = 0;
+  try {
+    limit = presentStepLimit(s.state, s.forces, s.domain.halo());
+  } catch (const InputError& problem) {
+    throw RunError(format("step %lld: ", static_cast<long long>(moment.step())) + problem.what());
+  }
   moment.limits.note(limit);
   Stepper& stepper = moment.stepper;
   if (stepper.adapts()) {

@@ -56,8 +56,16 @@ class Gatherer {
       refuse(node, "expected 'name: value' with a blank behind the colon");
     // A map may refer to one that it is part of.
     if (depth > 50) refuse(node, "maps are nested too deeply, or contain themselves");
-    for (auto* pair = node.data.mapping.pairs.start; pair < node.data.mapping.pairs.top; ++pair)
-      entry(document_.node(pair->key), document_.node(pair->value), prefix, depth);
+    const auto& pairs = node.data.mapping.pairs;
+    auto merges = [&](const yaml_node_pair_t* pair) {
+      const yaml_node_t& key = document_.node(pair->key);
+      return key.type == YAML_SCALAR_NODE && scalar(key, "a name") == "<<";
+    };
+    // What is merged comes first, since of two values the later holds, and a map's own hold.
+    for (const bool merged : {true, false})
+      for (auto* pair = pairs.start; pair < pairs.top; ++pair)
+        if (merges(pair) == merged)
+          entry(document_.node(pair->key), document_.node(pair->value), prefix, depth);
   }
 
  private:
@@ -99,9 +107,10 @@ class Gatherer {
 
   void merge(const yaml_node_t& value, const std::string& prefix, int depth) {
     if (value.type != YAML_SEQUENCE_NODE) return map(value, prefix, depth + 1);
+    // Of several maps the first holds.
     const auto& items = value.data.sequence.items;
-    for (auto* item = items.start; item < items.top; ++item)
-      map(document_.node(*item), prefix, depth + 1);
+    for (auto* item = items.top; item > items.start; --item)
+      map(document_.node(item[-1]), prefix, depth + 1);
   }
 
   /// An element `name: {option: value}` gives its name to the list and has options of its own.

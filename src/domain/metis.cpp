@@ -1,8 +1,10 @@
 /// The partition by METIS of chain pieces. A piece is named by the row of its first segment.
 #include <metis.h>
+#include <signal.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
 
@@ -13,6 +15,23 @@
 namespace nanoweft {
 
 namespace {
+
+/// METIS catches these signals while it works and leaves them with handlers that serve once.
+class KeptHandlers {
+ public:
+  KeptHandlers() {
+    for (std::size_t k = 0; k < 2; ++k) sigaction(signals[k], nullptr, &kept_[k]);
+  }
+  ~KeptHandlers() {
+    for (std::size_t k = 0; k < 2; ++k) sigaction(signals[k], &kept_[k], nullptr);
+  }
+  KeptHandlers(const KeptHandlers&) = delete;
+  KeptHandlers& operator=(const KeptHandlers&) = delete;
+
+ private:
+  static constexpr int signals[2] = {SIGTERM, SIGABRT};
+  struct sigaction kept_[2];
+};
 
 struct Vertex {
   std::int64_t piece;
@@ -110,6 +129,8 @@ class Graph {
       all += v.work;
     }
     merge(edges);
+    // Places of edges are numbers of METIS.
+    if (2 * edges.size() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max())) return;
     std::vector<idx_t> degree(pieces.size() + 1, 0);
     std::vector<std::pair<idx_t, idx_t>> ends;
     for (const Edge& e : edges) {
@@ -142,11 +163,13 @@ class Graph {
     std::vector<idx_t> part(pieces.size());
     std::iota(part.begin(), part.end(), 0);
     if (part.size() <= static_cast<std::size_t>(parts)) return part;
+    if (rows_.empty()) return {};
     idx_t vertices = static_cast<idx_t>(pieces.size()), constraints = 1, number = parts, cut = 0;
     idx_t options[METIS_NOPTIONS];
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_SEED] = 1;
     options[METIS_OPTION_UFACTOR] = 30;  // 3 % above the mean; less makes cuts far longer
+    const KeptHandlers kept;
     const int status = METIS_PartGraphKway(&vertices, &constraints, rows_.data(), columns_.data(),
                                            vertexWeights_.data(), nullptr, weights_.data(), &number,
                                            nullptr, nullptr, options, &cut, part.data());
@@ -208,7 +231,7 @@ std::vector<int> MetisPartitioner::assign(const State& state, const CellGrid& gr
   const auto allEdges = toFirst(state.comm(), std::move(edges));
 
   std::map<int, std::vector<Verdict>> verdicts;
-  std::string problem;
+  int divided = 1;
   if (state.rank() == 0) {
     std::vector<Vertex> v;
     std::vector<Edge> e;
@@ -216,14 +239,18 @@ std::vector<int> MetisPartitioner::assign(const State& state, const CellGrid& gr
     for (const auto& [rank, items] : allEdges) e.insert(e.end(), items.begin(), items.end());
     Graph graph(std::move(v), std::move(e));
     const auto part = graph.divide(state.ranks());
-    if (part.empty()) problem = "METIS cannot divide the fibres: use -partition dmda";
+    divided = !part.empty();
     for (const auto& [rank, items] : allVertices)
       for (const Vertex& x : items)
         if (!part.empty())
           verdicts[rank].push_back(
               {x.piece, part[static_cast<std::size_t>(graph.indexOf(x.piece))]});
   }
-  agree<RunError>(state.comm(), problem);
+  MPI_Bcast(&divided, 1, MPI_INT, 0, state.comm());
+  if (!divided) {
+    PetscPrintf(state.comm(), "warning: METIS cannot divide the fibres; straight cuts do\n");
+    return RectilinearPartitioner().assign(state, grid, work, again);
+  }
   std::unordered_map<std::int64_t, std::int32_t> rankOf;
   for (const auto& [rank, items] : deliver(state.comm(), verdicts))
     for (const Verdict& v : items) rankOf[v.piece] = v.rank;

@@ -1,6 +1,7 @@
 /// Domain and halo: who sees whom, and what ghosts know of their owners.
 #include "nanoweft/domain/halo.hpp"
 
+#include <csignal>
 #include <set>
 
 #include "middle/segments.hpp"
@@ -88,6 +89,20 @@ TEST_P(HaloOf, SegmentsThatMoveAreGivenToTheirRanksWithAllTheirFields) {
     moved.expectOwned(state);
     for (int i = 0; i < state.local(); ++i) EXPECT_EQ(domain.localIndex(state.row[i]), i);
   }
+}
+
+void answer(int) {}
+
+TEST_P(HaloOf, HandlersOfSignalsStay) {
+  struct sigaction own = {}, found = {}, before = {};
+  own.sa_handler = answer;
+  own.sa_flags = SA_RESTART;
+  sigaction(SIGTERM, &own, &before);
+  Domain another(state, {GetParam(), 1.05, 4});
+  another.rebuild(state, range, range, nullptr);
+  sigaction(SIGTERM, &before, &found);
+  EXPECT_EQ(found.sa_handler, own.sa_handler);
+  EXPECT_TRUE(found.sa_flags & SA_RESTART);
 }
 
 TEST(Domain, WhatIsBrokenNeedNotBeFound) {

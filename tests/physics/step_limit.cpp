@@ -274,8 +274,13 @@ TEST(StepLimit, LimitIsFollowedDuringTheRunAndDisturbsNothing) {
   const Folder folder;
   const auto fast = run(folder, pressedSlowly(folder) +
                                     "-ts_dt 44 -ts_max_steps 250 -ts_limit_interval 5 "
-                                    "-energy_alarm 0 -progress_interval 0");
+                                    "-energy_alarm 0 -progress_interval 0 -checkpoint_file c.h5");
   EXPECT_NE(fast.output.find(warning), std::string::npos) << fast.output;
+  // What went on with a warning goes on so after a restart.
+  const auto on = run(folder, "-restart c.h5 -ts_max_steps 252 -energy_alarm 0");
+  EXPECT_EQ(on.status, 0) << on.output;
+  EXPECT_NE(on.output.find("is beyond the stable step of this state"), std::string::npos)
+      << on.output;
   const std::string slow =
       pressedSlowly(folder) +
       "-ts_dt 20 -ts_max_steps 400 -state_output out.h5 -overwrite -ts_limit_interval ";

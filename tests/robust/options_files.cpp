@@ -100,6 +100,11 @@ const std::vector<Case> goodFiles = {
      "$$common: &common\n  segments: 5\n  strain: 0.01\nscene: fibre\nfibre:\n  <<: *common\n",
      {},
      "run.yaml"},
+    {"MergedMapsThatDiffer",
+     "$$a: &a\n  segments: 7\n  strain: 0.01\n$$b: &b\n  segments: 9\n  strain: 0.02\nscene: "
+     "fibre\nfibre:\n  segments: 5\n  <<: [*a, *b]\n",
+     {},
+     "run.yaml"},
     {"WindowsYaml",
      "\xef\xbb\xbfscene: fibre\r\nfibre_segments: 5\r\nfibre_strain: 0.01\r\n",
      {},

@@ -169,6 +169,13 @@ expect "a cancelled job writes its checkpoint and is not resubmitted" 3 1
 [[ ! $(first_step 1) ]] || fail "a first job went on from an old checkpoint"
 cmp -s checkpoint.h5 ../limit/checkpoint.h5 && fail "no checkpoint of the cancelled job"
 
+enter requeued
+cp ../cancelled/checkpoint.h5 .
+submit ../run.opts checkpoint.h5
+SLURM_RESTART_COUNT=1 serve TERM 1
+expect "a job that has been put back into the queue goes on" 3 1
+[[ $(first_step 1) ]] || fail "a job that was put back began anew"
+
 enter bad_input
 submit ../run.opts checkpoint.h5 -ts_maximal_steps 10
 NANOWEFT_LAUNCHER=srun serve USR1 0
