@@ -100,7 +100,9 @@ def read(name: str | os.PathLike[str]) -> Table:
     except csv.Error:
         raise Unusable(f"{name}: not a CSV file") from None
     header = [cell.strip() for cell in rows[0]] if rows else []
-    if len(rows) > 1 and (len(rows[-1]) < len(header) or not lines[-1].endswith("\n")):
+    whole = len(lines) == 0 or lines[-1].startswith("#") or lines[-1].endswith("\n")
+    own = bool(comments) and comments[0].startswith("nanoweft")
+    if len(rows) > 1 and (len(rows[-1]) < len(header) or (own and not whole)):
         rows.pop()
     try:
         numbers = np.array(rows[1:], float).reshape(len(rows[1:]), len(header))

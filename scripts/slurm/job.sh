@@ -47,8 +47,13 @@ srun) launch=(srun --ntasks="$ranks" --cpus-per-task="$threads" --cpu-bind=cores
 esac
 
 restart=()
-# A job that Slurm has put back into the queue goes on, too.
-if ((submission > 0 || ${SLURM_RESTART_COUNT:-0} > 0)) && [[ -e $checkpoint ]]; then
+# A job that Slurm has put back into the queue goes on, too, from what it has written itself.
+begun=$checkpoint.job-${SLURM_JOB_ID:-0}
+if ((submission > 0)); then
+    [[ ! -e $checkpoint ]] || restart=(-restart "$checkpoint")
+elif ((${SLURM_RESTART_COUNT:-0} == 0)); then
+    touch "$begun"
+elif [[ -e $begun && $checkpoint -nt $begun ]]; then
     restart=(-restart "$checkpoint")
 fi
 
@@ -99,6 +104,7 @@ resubmit() {
 say "$ranks rank(s) x $threads thread(s), resubmission $submission of at most $most"
 status=0
 simulate || status=$?
+((status == 3)) || rm -f "$begun"
 
 if ((status != 3)); then
     say "ended with status $status"

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "nanoweft/app/observers.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/motion/residual.hpp"
@@ -30,8 +32,10 @@ class Balance : public Observer {
   void observe(const Moment& moment) override {
     if (!isDue(moment, interval)) return;
     const System& s = moment.system;
-    // A load that still grows has not acted yet.
-    if (s.boundaries.loadsGrow(s.state.time)) return;
+    // A load that still grows has not acted yet, nor a wall that still moves.
+    const auto moves = [&](const Wall& w) { return w.moves() && s.state.time < w.stop; };
+    if (s.boundaries.loadsGrow(s.state.time) || std::ranges::any_of(s.forces.walls().list(), moves))
+      return;
     balanced_ = largestResidual(s.state, s.forces, s.boundaries) <= largest_;
   }
   Verdict verdict(const Moment&) const override {

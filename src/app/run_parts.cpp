@@ -1,6 +1,7 @@
 #include "nanoweft/app/run_parts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -297,7 +298,9 @@ void RunParts::refuseInWalls() const {
 }
 
 double RunParts::defaultTimeStep() {
-  const double stable = evaluatesOnly() ? chainStepLimit(plan->kinds) : limits.present;
+  // Where nothing is held at the start, bonds and contacts may come.
+  double stable = chainStepLimit(plan->kinds);
+  if (std::isfinite(limits.present) && limits.present > 0) stable = limits.present;
   // While a minimiser runs, fibres that were apart may be pressed together.
   if (plan->minimises())
     return adaptedShare * std::min(stable, bundleStepLimit(plan->kinds, forces->pairs()));
@@ -318,13 +321,18 @@ void RunParts::chooseStep() {
   const double dt = settings.dt ? *settings.dt : defaultTimeStep();
   // A run that has gone on beyond the stable step, with a warning, goes on so after a restart.
   const bool chosen = !plan->checkpoint || plan->stepIsNew;
-  if (!evaluatesOnly() && dt > limits.present && !settings.unsafeStep && chosen)
+  const bool judged = !evaluatesOnly() && !settings.unsafeStep && chosen;
+  if (judged && !(limits.present > 0) && !plan->minimises())
+    throw InputError(
+        "the stable step cannot be estimated: something (a contact, a link, a wall) is more than "
+        "1e5 times as stiff as the bonds of the fibres (or -ts_dt_unsafe)");
+  if (judged && limits.present > 0 && dt > limits.present)
     throw InputError(
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "
                "that (or -ts_dt_unsafe)",
                dt, limits.present, plan->units.time));
   for (const Wall& w : plan->walls)
-    if (dt * w.drag > 2.0 * w.mass && w.driven())
+    if (dt * w.drag > 2.0 * w.mass && w.driven() && chosen && !evaluatesOnly())
       throw InputError(
           format("-ts_dt %g: -%s_drag stops the wall within it; at most twice its mass "
                  "over its drag, %.4g %s",

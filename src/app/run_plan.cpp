@@ -124,7 +124,8 @@ void RunPlan::refuseWithoutRest() const {
     if (b.moves())
       throw InputError(end + "-" + b.name + (b.spin ? "_spin" : "_velocity") + " keeps it moving");
   for (const Wall& w : walls)
-    if (w.moves() || w.driven()) throw InputError(end + "the wall " + w.name + " moves");
+    if ((w.moves() && w.stop == 0) || w.driven())
+      throw InputError(end + "the wall " + w.name + " moves");
   if (boxDrive) throw InputError(end + "it does not look at the stress of a box that is driven");
 }
 
@@ -141,7 +142,7 @@ void RunPlan::refuseWallsAcross() const {
       if (w.shape == Wall::cylinder && part > 1e-9 && part < 1 - 1e-9)
         throw InputError(name + "the box is " + where +
                          ", which the cylinder's axis must follow or be across");
-      if (w.shape != Wall::plane && !(w.shape == Wall::cylinder && part > 0.5) &&
+      if (w.shape != Wall::plane && !(w.shape == Wall::cylinder && part > 0.5) && w.inside &&
           w.radius > 0.5 * box.length(d))
         throw InputError(
             name + format("-%s_radius %g: the box is %s, where it is %g %s long; at most "
@@ -161,8 +162,9 @@ void RunPlan::refuseContradictions() const {
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   refuseBesideShear();
   if (minimises()) refuseForMinimiser();
-  if (settings.relaxForce > 0) refuseWithoutRest();
-  refuseWallsAcross();
+  // A restart has the box and the motion of its checkpoint, whatever is thought of them now.
+  if (!checkpoint && settings.relaxForce > 0) refuseWithoutRest();
+  if (!checkpoint) refuseWallsAcross();
   if (settings.thermostat && settings.thermostat->kelvin > 0 &&
       (settings.relaxTolerance > 0 || settings.relaxForce > 0))
     throw InputError(

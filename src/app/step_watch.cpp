@@ -1,7 +1,8 @@
 #include <petscsys.h>
 
+#include <cmath>
+
 #include "nanoweft/app/observers.hpp"
-#include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
 
@@ -28,13 +29,17 @@ class StepWatch : public Observer {
 void StepWatch::observe(const Moment& moment) {
   if (!isDue(moment, interval_)) return;
   System& s = moment.system;
-  double limit = 0;
-  try {
-    limit = presentStepLimit(s.state, s.forces, s.domain.halo());
-  } catch (const InputError& problem) {
-    throw RunError(format("step %lld: ", static_cast<long long>(moment.step())) + problem.what());
-  }
+  const double limit = presentStepLimit(s.state, s.forces, s.domain.halo());
   moment.limits.note(limit);
+  if (std::isnan(limit)) {
+    if (!warned_)
+      PetscPrintf(s.state.comm(),
+                  "warning: step %lld: the stable step cannot be estimated: something is more than "
+                  "1e5 times as stiff as the bonds\n",
+                  static_cast<long long>(moment.step()));
+    warned_ = true;
+    return;
+  }
   Stepper& stepper = moment.stepper;
   if (stepper.adapts()) {
     if (!unsafe_) stepper.limit(adaptedShare * limit);

@@ -188,15 +188,12 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     off.push_back(norm);
   }
   stiffness.restore();
-  // Sums beyond their range are no numbers.
+  // Sums beyond their range are no numbers: something is more than 1e5 times as stiff as the bonds.
   if (!std::isfinite(eigenvalue) || !std::isfinite(norm))
-    throw InputError(
-        "the stable step cannot be estimated: something (a contact, a link, a wall) is more than "
-        "1e5 times as stiff as the bonds of the fibres");
-  // Where nothing is held, the step for bonds and contacts to come is that of a free chain.
-  return withViscosity(
-      eigenvalue > 0 ? 2.0 / std::sqrt(eigenvalue) : chainStepLimit(forces.kinds()),
-      state.extras().viscous ? slowest(forces.kinds()) : 0.0);
+    return std::numeric_limits<double>::quiet_NaN();
+  if (!(eigenvalue > 0)) return std::numeric_limits<double>::infinity();
+  return withViscosity(2.0 / std::sqrt(eigenvalue),
+                       state.extras().viscous ? slowest(forces.kinds()) : 0.0);
 }
 
 double chainStepLimit(const Fibre& fibre) {

@@ -126,7 +126,8 @@ class Plot(FolderTest):
     def test_a_line_that_is_not_whole_is_left_out(self):
         for end in ("", "-3.25", "-3.25e", "-3.25e-1"):
             with open(self.path("torn.csv"), "w") as file:
-                file.write("step,time_fs,stretch\n0,0,1\n1,10,2\n" + (end and "2,20," + end))
+                file.write("# nanoweft 0.1.0\nstep,time_fs,stretch\n0,0,1\n1,10,2\n"
+                           + (end and "2,20," + end))
             self.assertEqual(list(tables.read(self.path("torn.csv"))["stretch"]), [1, 2])
 
     def test_refusals(self):

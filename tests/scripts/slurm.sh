@@ -170,8 +170,15 @@ expect "a cancelled job writes its checkpoint and is not resubmitted" 3 1
 cmp -s checkpoint.h5 ../limit/checkpoint.h5 && fail "no checkpoint of the cancelled job"
 
 enter requeued
-cp ../cancelled/checkpoint.h5 .
+cp ../cancelled/checkpoint.h5 . # of another run
 submit ../run.opts checkpoint.h5
+SLURM_RESTART_COUNT=1 serve TERM 1
+[[ ! $(first_step 1) ]] || fail "a job that was put back went on from an old checkpoint"
+rm log-1
+sleep 1.1 # file times may be whole seconds
+serve TERM 1
+[[ ! $(first_step 1) ]] || fail "a first job went on from an old checkpoint"
+rm log-1
 SLURM_RESTART_COUNT=1 serve TERM 1
 expect "a job that has been put back into the queue goes on" 3 1
 [[ $(first_step 1) ]] || fail "a job that was put back began anew"

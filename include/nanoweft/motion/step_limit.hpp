@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
@@ -17,6 +18,7 @@ struct StepLimits {
   double first = 0, lowest = 0, present = 0;
 
   void note(double limit) {
+    if (std::isnan(limit)) return;
     if (first == 0) first = lowest = limit;
     present = limit;
     lowest = std::min(lowest, limit);
@@ -25,7 +27,8 @@ struct StepLimits {
 
 /// Limit of the present state: omega_max^2 is the largest eigenvalue of the mass-weighted
 /// stiffness, found by Lanczos iteration on differences of forces. State and forces are left as
-/// they were; lists must be up to date. Collective.
+/// they were; lists must be up to date. Infinite where nothing is stiff; not a number where
+/// something is more than 1e5 times as stiff as the bonds. Collective.
 double presentStepLimit(State& state, ForceField& forces, Halo& halo);
 
 /// Limit of one free straight chain, from its dispersion relations (axial, torsional and

@@ -100,6 +100,7 @@ class Stage:
         self.ink = LIGHT if options.dark else DARK
         state, tubes = load(files[0], self.how)
         self.units = state.units
+        self.length = options.length
         self.lengths = rest_lengths(state, tubes, options.length)
         self.given = options.radius
         self.solids = [(np.array(row[:3]), np.array(row[-4:-1]), row[-1]) for row in options.solids]
@@ -114,9 +115,16 @@ class Stage:
 
     def values(self, state: State, tubes: Tubes) -> Array | None:
         """What tells the colours of the tubes, if numbers do."""
-        rest = self.lengths[state["kind"][tubes.first]]
-        if "rest_extension" in state:
-            rest = rest + state["rest_extension"][tubes.first]
+        rest = np.ones(len(tubes.first))
+        if self.how == "stretch":
+            # Without a run's numbers the median of the first file holds for all.
+            lengths = (rest_lengths(state, tubes, self.length) if "fibre" in state.run
+                       else self.lengths)
+            if len(lengths) != len(state.kinds):
+                raise Unusable("the files are of other kinds; give --length")
+            rest = lengths[state["kind"][tubes.first]]
+            if "rest_extension" in state:
+                rest = rest + state["rest_extension"][tubes.first]
         return colours.values_of(self.how, state, tubes, rest)
 
     def radius(self, state: State) -> Array:
