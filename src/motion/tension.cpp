@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <vector>
 
 #include "nanoweft/base/canonical.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/exact_sum.hpp"
+#include "nanoweft/base/gather.hpp"
 
 namespace nanoweft {
 
@@ -232,21 +232,12 @@ double spreadAcross(const State& state, const Tension& tension) {
 }
 
 HeldFibres heldFibres(const State& state) {
-  using Grips = std::map<std::int64_t, std::int64_t>;  // fibre -> 1: left, 2: right, 3: both
+  using Grips = std::map<std::int64_t, int>;  // fibre -> 1: left, 2: right, 3: both
   Grips grips;
   for (int i = 0; i < state.owned(); ++i)
     if (const int held = state.group[i] >> leftGripBit & 3; held) grips[state.fibre[i]] |= held;
-  std::vector<std::int64_t> mine;
-  for (const auto& [fibre, held] : grips) mine.insert(mine.end(), {fibre, held});
-  const int size = static_cast<int>(mine.size());
-  std::vector<int> sizes(static_cast<std::size_t>(state.ranks())), places(sizes.size());
-  MPI_Gather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, state.comm());
-  std::exclusive_scan(sizes.begin(), sizes.end(), places.begin(), 0);
-  std::vector<std::int64_t> all(static_cast<std::size_t>(places.back() + sizes.back()));
-  MPI_Gatherv(mine.data(), size, MPI_INT64_T, all.data(), sizes.data(), places.data(), MPI_INT64_T,
-              0, state.comm());
-  grips.clear();
-  for (std::size_t k = 0; k < all.size(); k += 2) grips[all[k]] |= all[k + 1];
+  const std::vector<Grips::value_type> mine(grips.begin(), grips.end());
+  for (const auto& [fibre, held] : ofAllRanks(mine, state.comm(), false)) grips[fibre] |= held;
   HeldFibres count;
   for (const auto& [fibre, held] : grips)
     ++(held == 3 ? count.both : held == 2 ? count.right : count.left);

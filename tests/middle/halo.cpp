@@ -106,8 +106,8 @@ TEST_P(HaloOf, HandlersOfSignalsStay) {
 }
 
 TEST(Domain, WhatIsBrokenNeedNotBeFound) {
-  // Two halves of a fibre lie far apart; a bond and a link between them widen the cells until their
-  // ends are neighbours, unless they are broken.
+  // Two parts of a fibre lie far apart, of three ranks on two; a bond and a link between them widen
+  // the cells until their ends are neighbours, unless they are broken.
   for (const bool broken : {true, false}) {
     State state(PETSC_COMM_WORLD, {{0, 0, 0}, {4000, 100, 100}, {false, false, false}}, {});
     const std::int64_t first = 16 * state.rank() / state.ranks(),
@@ -123,8 +123,8 @@ TEST(Domain, WhatIsBrokenNeedNotBeFound) {
       setSegment(state, i, row);
       state.chain[2 * i] = static_cast<std::int32_t>(row);
       state.chain[2 * i + 1] = 16;
-      state.bond[i] = broken ? (row == 7 ? nextBroken : row == 8 ? previousBroken : 0) : 0;
-      state.pose[8 * i] = 10.0 * static_cast<double>(row) + (row > 7 ? 3500.0 : 0.0);
+      state.bond[i] = broken ? (row == 4 ? nextBroken : row == 5 ? previousBroken : 0) : 0;
+      state.pose[8 * i] = 10.0 * static_cast<double>(row) + (row > 4 ? 3500.0 : 0.0);
       state.pose[8 * i + 1] = state.pose[8 * i + 2] = 50;
       if ((row == 0 || row == 15) && state.links.empty()) state.links.push_back(link);
     }
