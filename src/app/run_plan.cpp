@@ -7,6 +7,7 @@
 #include "nanoweft/app/provenance.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/locked_file.hpp"
+#include "nanoweft/base/simd.hpp"
 #include "nanoweft/motion/breakage.hpp"
 
 namespace nanoweft {
@@ -44,6 +45,7 @@ RunPlan::RunPlan(MPI_Comm communicator, Options& options)
   readBox(options);
   options.refuseUnknown();
   if (options.helpWanted()) return;
+  requireSameInstructions(comm, simdName);
   refuseContradictions();
   provenance = readProvenance(comm, options, startHeader(), checkpoint.has_value());
   stepIsNew = seeNewStep(options);

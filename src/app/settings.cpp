@@ -162,6 +162,22 @@ std::string readRestart(Options& options) {
       .text("restart", "", "go on from this checkpoint; steps and time count on");
 }
 
+void requireSameInstructions(MPI_Comm comm, const std::string& own) {
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  std::string first = own;
+  int length = static_cast<int>(first.size());
+  MPI_Bcast(&length, 1, MPI_INT, 0, comm);
+  first.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(first.data(), length, MPI_CHAR, 0, comm);
+  agree<InputError>(
+      comm, own == first
+                ? ""
+                : format("rank %d runs the program for %s, rank 0 that for %s, whose last bits "
+                         "differ: give -simd with what all computers have",
+                         rank, own.c_str(), first.c_str()));
+}
+
 RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pairs) {
   RunSettings r;
   OptionSection run(options, "Run");

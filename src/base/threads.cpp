@@ -1,8 +1,11 @@
 #include "nanoweft/base/threads.hpp"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <cstdlib>
-#include <thread>
+
+#include "nanoweft/base/gather.hpp"
 
 namespace nanoweft {
 
@@ -19,17 +22,24 @@ int teamGiven(int wanted) {
   return given;
 }
 
+int shareOfCores(const CoreSet& mine, const std::vector<CoreSet>& all) {
+  const auto sharing = std::ranges::count_if(all, [&](const CoreSet& other) {
+    CoreSet both;
+    CPU_AND(&both, &mine, &other);
+    return CPU_COUNT(&both) > 0;
+  });
+  return std::max(1, CPU_COUNT(&mine) / static_cast<int>(std::max<std::ptrdiff_t>(1, sharing)));
+}
+
 int threadsPerRank(MPI_Comm comm) {
   if (std::getenv("OMP_NUM_THREADS")) return omp_get_max_threads();
+  CoreSet mine;
+  if (sched_getaffinity(0, sizeof mine, &mine) != 0) return 1;
   MPI_Comm node;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
-  int ranks;
-  MPI_Comm_size(node, &ranks);
+  const std::vector<CoreSet> all = ofAllRanks(std::vector<CoreSet>{mine}, node);
   MPI_Comm_free(&node);
-  const int usable = omp_get_num_procs(),
-            cores = static_cast<int>(std::thread::hardware_concurrency());
-  // A bound rank has its cores for itself; unbound ones share them all.
-  return usable < cores ? usable : std::max(1, usable / ranks);
+  return shareOfCores(mine, all);
 }
 
 }  // namespace nanoweft

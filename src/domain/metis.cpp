@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <limits>
 #include <numeric>
 #include <unordered_map>
@@ -169,10 +170,19 @@ class Graph {
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_SEED] = 1;
     options[METIS_OPTION_UFACTOR] = 30;  // 3 % above the mean; less makes cuts far longer
-    const KeptHandlers kept;
-    const int status = METIS_PartGraphKway(&vertices, &constraints, rows_.data(), columns_.data(),
-                                           vertexWeights_.data(), nullptr, weights_.data(), &number,
-                                           nullptr, nullptr, options, &cut, part.data());
+    auto attempt = [&] {
+      const KeptHandlers kept;
+      return METIS_PartGraphKway(&vertices, &constraints, rows_.data(), columns_.data(),
+                                 vertexWeights_.data(), nullptr, weights_.data(), &number, nullptr,
+                                 nullptr, options, &cut, part.data());
+    };
+    int status = attempt();
+    // METIS takes a SIGTERM that ends this run for its own: the run's handler has it, too, and
+    // METIS begins again.
+    if (status == METIS_ERROR) {
+      std::raise(SIGTERM);
+      status = attempt();
+    }
     if (status != METIS_OK) part.clear();
     return part;
   }

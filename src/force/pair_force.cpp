@@ -119,17 +119,13 @@ class PairForceOf final : public PairForce {
     Parts(Law n, Law f) : near(std::move(n)), far(std::move(f)) {}
   };
 
-  /// Is there a kernel for this number of points?
-  bool compiled(Both<int> points) const {
-    return points.same() && points.i <= mostCompiledPoints && length_.same();
-  }
-
   /// Adds the forces of pairs by a law, or by its table in single precision unless null.
   void resolve(const Law& law, const Single* single, const KernelUnits& units, bool energies,
                const LaneView& pairs, const PairJob& job, PairTally& tally) const {
     const Both<int> points = units.points;
-    const auto which = static_cast<std::size_t>(compiled(points) ? points.i - 1 : 0);
-    if (!compiled(points))
+    const bool own = compiled(points, length_);
+    const auto which = static_cast<std::size_t>(own ? points.i - 1 : 0);
+    if (!own)
       (energies ? addPairs<true, anyPoints, Law>
                 : addPairs<false, anyPoints, Law>)(law, units, pairs, job, tally);
     else if (single)

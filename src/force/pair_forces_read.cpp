@@ -194,10 +194,11 @@ PairChoice readChoice(const PairReader& read) {
   // Its error is a millionth, the least accuracy that may be asked for.
   const bool enough = read.accuracy && !read.mixed() && read.is("vdw") && singlePrecisionPays();
   choice.single =
-      ofVdw.choice("pair_precision", enough ? "single" : "double", {"double", "single"},
-                   "of the law's values and of their sums over a pair's points, pairs of two kinds "
-                   "with segments of different lengths always in double; with -pair_accuracy "
-                   "single where the build is for AVX-512") == "single";
+      ofVdw.choice(
+          "pair_precision", enough ? "single" : "double", {"double", "single"},
+          "of the law's values and of their sums over a pair's points, in double always for "
+          "more than 9 points and between segments of different lengths; with -pair_accuracy "
+          "single where the build is for AVX-512") == "single";
   if (choice.single && !singlePrecisionPays())
     throw InputError(
         "-pair_precision single: needs a build for AVX-512 (-DNANOWEFT_ARCH=x86-64-v4 or native "
@@ -245,7 +246,7 @@ std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& 
       "rest distance %.6g %s, range %.6g to %.6g %s%s%s",
       p.smooth ? "smooth" : "kink", p.epsilon, energy, p.a, p.b, p.alpha, p.beta, p.length, length,
       p.stiffness, energy, length, rest, length, p.switchFrom, p.cutoff, length, taken.c_str(),
-      choice.single ? ", single precision" : "");
+      choice.single && compiled(choice.points.near, choice.length) ? ", single precision" : "");
   const LawWidth width{lawWidth(rest, read.a, read.b), nearSpacing};
   return makePairForce(law.table(), traitsOf(read, law, rest, width, description), choice);
 }

@@ -11,6 +11,11 @@ namespace {
 
 constexpr int points = 6;  ///< of a segment
 
+/// Place of a point along its segment, in lengths of it from the centre.
+double placeOf(int point) {
+  return (point + 0.5) / points - 0.5;
+}
+
 void addTo(ExactSum* sum, const Vec3d& v, double sign, const SumUnit& unit) {
   sum[0].add(sign * v.x, unit);
   sum[1].add(sign * v.y, unit);
@@ -54,19 +59,22 @@ void WallForces::add(State& state, ContactHistory* history, const Terms& terms, 
   }
 }
 
+double WallForces::stiffnessOf(const Wall& wall, int kind) const {
+  const double piece = kinds_[kind].length / points;
+  return 0.25 * std::numbers::pi * wall.modulus[static_cast<std::size_t>(kind)] * piece;
+}
+
 void WallForces::touch(State& state, ContactHistory* history, const Terms& terms,
                        const Place& place, WallTally& tally) const {
   const auto& [i, number, x, axis, fibre] = place;
   const Wall& wall = walls_[number];
-  const double piece = fibre.length / points,
-               line = 0.25 * std::numbers::pi *
-                      wall.modulus[static_cast<std::size_t>(state.kind(i))] * piece;
+  const double line = stiffnessOf(wall, state.kind(i));
   Vec3d force, torque;
   ContactPatch patch;
   patch.share = 1;
   double energy = 0;
   for (int k = 0; k < points; ++k) {
-    const double u = ((k + 0.5) / points - 0.5) * fibre.length;
+    const double u = placeOf(k) * fibre.length;
     const Wall::Sight sight = wall.see(x + u * axis);
     const double overlap = fibre.radius - sight.gap;
     if (!(overlap > 0)) continue;
@@ -257,6 +265,34 @@ WallForces::Depth WallForces::deepest(const State& state, const MinimumImage& ne
   MPI_Allgather(&deepest, sizeof deepest, MPI_BYTE, all.data(), sizeof deepest, MPI_BYTE,
                 state.comm());
   return *std::ranges::min_element(all, deeper);
+}
+
+double WallForces::stiffest(const State& state, const MinimumImage& nearest) const {
+  if (!driven()) return 0;
+  // Points of each kind that touch each wall: numbers add up to the same on any ranks.
+  const auto kinds = static_cast<std::size_t>(kinds_.count());
+  std::vector<std::int64_t> touching(walls_.size() * kinds, 0);
+  for (int i = 0; i < state.owned(); ++i)
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+      if (!walls_[w].driven()) continue;
+      const Fibre& fibre = kinds_[state.kind(i)];
+      const Vec3d x = nearest(state.position(i) - walls_[w].at()),
+                  axis = axis1(state.orientation(i));
+      for (int k = 0; k < points; ++k)
+        touching[w * kinds + static_cast<std::size_t>(state.kind(i))] +=
+            walls_[w].see(x + (placeOf(k) * fibre.length) * axis).gap < fibre.radius;
+    }
+  MPI_Allreduce(MPI_IN_PLACE, touching.data(), static_cast<int>(touching.size()), MPI_INT64_T,
+                MPI_SUM, state.comm());
+  double largest = 0;
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    double sum = 0;
+    for (int k = 0; k < kinds_.count(); ++k)
+      sum += stiffnessOf(walls_[w], k) *
+             static_cast<double>(touching[w * kinds + static_cast<std::size_t>(k)]);
+    if (walls_[w].driven()) largest = std::max(largest, sum / walls_[w].mass);
+  }
+  return largest;
 }
 
 double WallForces::kinetic() const {

@@ -188,6 +188,9 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     off.push_back(norm);
   }
   stiffness.restore();
+  // A driven wall moves as well, and is bound to the segments that it touches: the largest
+  // eigenvalue of all is at most the sum of theirs and the wall's.
+  if (eigenvalue > 0) eigenvalue += forces.walls().stiffest(state, forces.nearest());
   // Sums beyond their range are no numbers: something is more than 1e5 times as stiff as the bonds.
   if (!std::isfinite(eigenvalue) || !std::isfinite(norm))
     return std::numeric_limits<double>::quiet_NaN();

@@ -172,7 +172,7 @@ class Kicker {
       component(s_.angular[3 * i + c], s_.torque[3 * i + c], viscous(i, 3 + c), m.perInertia);
     }
   }
-  double viscous(std::int32_t i, int c) const { return s_.viscous ? s_.viscous[6 * i + c] : 0.0; }
+  double viscous(std::int32_t i, int c) const { return s_.viscousOn(i, c); }
 
   void component(double& v, double force, double viscous, double factor) {
     if (damping_ > 0 || s_.viscous)

@@ -11,9 +11,7 @@ std::array<double, 2> gripStress(const State& state, const ForceField& forces, c
   for (int i = 0; i < state.owned(); ++i)
     for (int side = 0; side < 2; ++side)
       if (state.group[i] >> (side == 0 ? leftGripBit : rightGripBit) & 1)
-        sums[side].add(
-            state.force[3 * i + t.axis] + (state.viscous ? state.viscous[6 * i + t.axis] : 0.0),
-            unit);
+        sums[side].add(state.force[3 * i + t.axis] + state.viscousOn(i, t.axis), unit);
   ExactSum::reduce(sums, 2, state.comm());
   // The piece pulls the left grip forwards and the right grip back.
   const double area = t.width * t.thickness * units.gigapascal;

@@ -83,8 +83,8 @@ Wrench wrenchOn(const State& state, const Boundary& group, int i) {
                           group.torque.x, group.torque.y, group.torque.z};
   double all[6];
   for (int c = 0; c < 6; ++c) {
-    const double fibres = (c < 3 ? state.force[3 * i + c] : state.torque[3 * i + c - 3]) +
-                          (state.viscous ? state.viscous[6 * i + c] : 0.0);
+    const double fibres =
+        (c < 3 ? state.force[3 * i + c] : state.torque[3 * i + c - 3]) + state.viscousOn(i, c);
     const bool held = c < 3 ? group.fix[static_cast<std::size_t>(c)] : group.fixRotation;
     all[c] = held ? -fibres : f * load[c];
   }

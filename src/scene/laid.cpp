@@ -123,7 +123,7 @@ class LaidScene final : public Scene {
 
   void fill(State& state) const override {
     const FibreShare share = shareOf(state.rank(), state.ranks());
-    requireMemory(state.comm(), share.segments);
+    requireMemory(state.comm(), share.segments, state.memoryOfSegment());
     state.addOwned(static_cast<int>(share.segments));
     int i = 0;
     for (std::int64_t f = share.first, row = share.row; f < share.last; ++f) {

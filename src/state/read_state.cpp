@@ -399,7 +399,7 @@ StateHeader readStateHeader(MPI_Comm comm, const std::string& name, Trust trust)
 void readStateRows(const std::string& name, const StateHeader& header, State& state) {
   const MPI_Comm comm = state.comm();
   const RowBlock block(header.rows, state.rank(), state.ranks());
-  requireMemory(comm, block.count);
+  requireMemory(comm, block.count, state.memoryOfSegment());
   std::optional<RawRows> raw;
   std::optional<LinkRows> links;
   agree<InputError>(comm, problemIn([&] {

@@ -7,6 +7,7 @@
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/huge_pages.hpp"
+#include "nanoweft/state/memory.hpp"
 
 namespace nanoweft {
 
@@ -141,6 +142,13 @@ std::int64_t State::bytesOfSegment() const {
   std::int64_t bytes = sizeof(double) * 4 + sizeof(PetscInt);  // what DMSwarm has of its own
   for (const Field& f : fields)
     if (f.in(extras_)) bytes += static_cast<std::int64_t>(f.bytes());
+  return bytes;
+}
+
+double State::memoryOfSegment() const {
+  double bytes = stateBytes;
+  for (const Field& f : fields)
+    if (f.extra && f.in(extras_)) bytes += static_cast<double>(f.bytes());
   return bytes;
 }
 

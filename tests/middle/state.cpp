@@ -35,6 +35,15 @@ TEST(State, FieldsThatNoSceneAsksForAreNotThere) {
   for (const Field& f : fields) EXPECT_EQ(f.data(state) != nullptr, f.extra == nullptr) << f.name;
 }
 
+TEST(State, MemoryIsAskedForAllFieldsThatAreThere) {
+  const State usual(PETSC_COMM_WORLD, sceneBox(), {}), all(PETSC_COMM_WORLD, sceneBox(), allFields);
+  double more = 0;
+  for (const Field& f : fields)
+    if (f.extra) more += static_cast<double>(f.bytes());
+  EXPECT_GT(more, 600);
+  EXPECT_EQ(all.memoryOfSegment(), usual.memoryOfSegment() + more);
+}
+
 TEST(State, PermutingTakesEveryFieldAlong) {
   State state(PETSC_COMM_WORLD, sceneBox(), allFields);
   state.addOwned(9);

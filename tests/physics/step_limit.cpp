@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nanoweft/base/units.hpp"
+#include "support/formulas.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
 
@@ -352,6 +354,36 @@ TEST(StepLimit, OfWhatIsFarTooStiffIsRefused) {
   EXPECT_EQ(outcome.status, 1) << outcome.output;
   EXPECT_NE(outcome.output.find("the stable step cannot be estimated"), std::string::npos)
       << outcome.output;
+}
+
+TEST(StepLimit, IsThatOfALightWallWhichAForceDrives) {
+  // A lid presses a fibre on a floor. It is far lighter than what it touches, and bound to it by
+  // (pi/4) E* T a segment.
+  const Folder folder;
+  constexpr double segments = 10, press = 0.2, mass = 0.75, modulus = 20;
+  const double stiffness = segments * tube::pi / 4 * modulus * tube::gigapascal * tube::length,
+               overlap = press / stiffness;
+  writeState(folder / "in.h5", {straightFibre({0, 0, tube::rf - overlap}, {1, 0, 0}, 10)});
+  auto scene = [&](double m) {
+    return "-scene file -scene_file in.h5 -pair none -walls floor,lid -floor_point 0,0,0 "
+           "-floor_axis 0,0,1 -floor_modulus 20 -lid_axis 0,0,-1 -lid_modulus 20 -lid_force 0,0," +
+           std::to_string(-press) + " -lid_mass " + std::to_string(m) + " -lid_point 0,0," +
+           std::to_string(2 * tube::rf - 2 * overlap);
+  };
+  const double heavy = printedLimit(folder, scene(1e12)), light = printedLimit(folder, scene(mass));
+  const double ofLid = stiffness / (mass * nanoUnits().mass);
+  EXPECT_NEAR(light, 2 / std::sqrt(4 / (heavy * heavy) + ofLid), 1e-3 * light);
+  EXPECT_LT(light, heavy / 5);
+  auto most = [&](double dt) {
+    const auto outcome = runAt(folder, scene(mass), dt,
+                               "-ts_dt_unsafe -energy_alarm 0 -ts_max_steps 400 -energy_monitor "
+                               "ascii:lid.csv -monitor_interval 1 -overwrite");
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    const auto total = readCsv(folder / "lid.csv").at("total");
+    return *std::ranges::max_element(total) - total.front();
+  };
+  EXPECT_LT(most(0.9 * light), 1e-4);
+  EXPECT_GT(most(1.1 * light), 1e-2);
 }
 
 TEST(StepLimit, WarnsOfLocalDampingNearIt) {

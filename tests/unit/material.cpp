@@ -282,6 +282,9 @@ TEST(ForceError, AnAccuracyTakesSinglePrecisionWhereThatPays) {
   EXPECT_EQ(single("-pair_accuracy 0.05"), singlePrecisionPays());
   EXPECT_FALSE(single("-pair_accuracy 0.05 -pair_precision double"));
   EXPECT_FALSE(single(""));
+  if (!singlePrecisionPays()) return;
+  EXPECT_TRUE(single("-pair_precision single -pair_points 9"));
+  EXPECT_FALSE(single("-pair_precision single -pair_points 10"));  // counted in doubles
 }
 
 TEST(ForceError, PointsTooCoarseForTheLawAreNamed) {

@@ -62,6 +62,23 @@ TEST(Threads, EachShareIsDoneOnceByASmallerTeam) {
   teamMeter().most = before;
 }
 
+CoreSet cores(std::initializer_list<int> numbers) {
+  CoreSet set;
+  CPU_ZERO(&set);
+  for (const int k : numbers) CPU_SET(k, &set);
+  return set;
+}
+
+TEST(Threads, ARankHasItsCoresOrItsShareOfThem) {
+  const CoreSet all = cores({0, 1, 2, 3}), left = cores({0, 1}), right = cores({2, 3});
+  EXPECT_EQ(shareOfCores(all, {all}), 4);
+  EXPECT_EQ(shareOfCores(all, {all, all}), 2);
+  EXPECT_EQ(shareOfCores(left, {left, right}), 2);  // bound
+  EXPECT_EQ(shareOfCores(left, {left, left}), 1);   // both confined to the same cores
+  EXPECT_EQ(shareOfCores(right, {left, left, right, right}), 1);
+  EXPECT_EQ(shareOfCores(left, {left, left, left}), 1);  // more ranks than cores
+}
+
 TEST(Threads, TheTimeOfTeamsIsCountedOnce) {
   const double before = teamMeter().seconds, begin = omp_get_wtime();
   onShares(2, [&](std::size_t) {

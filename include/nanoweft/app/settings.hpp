@@ -52,6 +52,9 @@ struct RunSettings {
 std::string readRestart(Options& options);
 /// Reads -units next, since all others depend on it.
 const UnitSystem& readUnits(Options& options);
+/// Throws InputError unless all ranks run the program for the same instruction set: sums in vectors
+/// of other lengths have other last bits. Collective.
+void requireSameInstructions(MPI_Comm comm, const std::string& own);
 RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pairs);
 /// Replaces what -domain_lower, -domain_upper and -domain_periodic say.
 void readDomain(Options& options, const UnitSystem& units, Box& box);

@@ -4,12 +4,14 @@
 
 #include <mpi.h>
 #include <omp.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <exception>
 #include <limits>
 #include <optional>
+#include <vector>
 
 namespace nanoweft {
 
@@ -62,6 +64,13 @@ void onShares(std::size_t count, const Work& work) {
 
 /// How many threads the runtime gives to a team of `wanted`.
 int teamGiven(int wanted);
+
+/// The cores that a process may run on.
+using CoreSet = cpu_set_t;
+
+/// How many of `mine` are left to a rank that shares them with all ranks of its computer (itself
+/// among them) whose sets have one of them; at least 1.
+int shareOfCores(const CoreSet& mine, const std::vector<CoreSet>& all);
 
 /// OMP_NUM_THREADS, or a fair share of the cores that this rank may use. Collective.
 int threadsPerRank(MPI_Comm comm);

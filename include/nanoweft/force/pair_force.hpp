@@ -106,6 +106,10 @@ struct PointChoice {
 inline constexpr int mostPairPoints = 99;
 /// Up to this number, equal for both segments, a kernel is compiled for each.
 inline constexpr int mostCompiledPoints = 9;
+/// Is there a kernel for this number of points? All others are counted in a loop, and in doubles.
+inline bool compiled(Both<int> points, Both<double> length) {
+  return points.same() && points.i <= mostCompiledPoints && length.same();
+}
 
 /// How wide the forces of a law are, which decides the number of points (quadrature.hpp).
 struct LawWidth {

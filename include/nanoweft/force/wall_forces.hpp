@@ -70,6 +70,8 @@ class WallForces {
   };
   /// Of equally deep segments that with the lowest row. Collective.
   Depth deepest(const State& state, const MinimumImage& nearest) const;
+  /// The largest stiffness of the contacts of a driven wall over its mass. Collective.
+  double stiffest(const State& state, const MinimumImage& nearest) const;
   /// Energy of motion of the driven walls.
   double kinetic() const;
 
@@ -88,6 +90,8 @@ class WallForces {
     Vec3d x, axis;
     const Fibre& fibre;
   };
+  /// Of one point of a segment: force over overlap.
+  double stiffnessOf(const Wall& wall, int kind) const;
   void touch(State& state, ContactHistory* history, const Terms& terms, const Place& place,
              WallTally& tally) const;
   /// Speeds driven walls up for the time h.

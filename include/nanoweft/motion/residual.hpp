@@ -18,11 +18,11 @@ void applyBoundaries(Residual& residual, const State& state, const Boundaries& b
 /// Residual of the owned segment i, with State::force, torque and viscous as they were last
 /// evaluated.
 inline Residual residualOf(const State& state, const Boundaries& boundaries, int i) {
-  const double* f = state.force + 3 * i;
-  const double* t = state.torque + 3 * i;
-  Residual residual{{f[0], f[1], f[2]}, {t[0], t[1], t[2]}};
-  if (const double* held = state.viscous ? state.viscous + 6 * i : nullptr)
-    for (int c = 0; c < 3; ++c) residual.force[c] += held[c], residual.torque[c] += held[3 + c];
+  Residual residual;
+  for (int c = 0; c < 3; ++c) {
+    residual.force[c] = state.force[3 * i + c] + state.viscousOn(i, c);
+    residual.torque[c] = state.torque[3 * i + c] + state.viscousOn(i, 3 + c);
+  }
   if (state.group[i] & boundaries.mask()) applyBoundaries(residual, state, boundaries, i);
   return residual;
 }

@@ -108,7 +108,7 @@ template <class Make>
 void fillFibres(State& state, std::int64_t fibres, int segments, const Make& make) {
   const std::int64_t first = fibres * state.rank() / state.ranks(),
                      last = fibres * (state.rank() + 1) / state.ranks();
-  requireMemory(state.comm(), (last - first) * segments);
+  requireMemory(state.comm(), (last - first) * segments, state.memoryOfSegment());
   state.addOwned(static_cast<int>((last - first) * segments));
   int i = 0;
   for (std::int64_t f = first; f < last; ++f, i += segments)

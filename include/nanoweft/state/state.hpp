@@ -57,6 +57,8 @@ class State : public SegmentFields {
   int ghosts() const { return ghosts_; }
   int local() const { return owned_ + ghosts_; }
   std::int64_t total() const { return total_; }
+  /// Bytes that a segment takes at least (requireMemory), with the fields that this scene needs.
+  double memoryOfSegment() const;
 
   /// Appends `n` owned points with the fields of a fresh segment. There must be no ghosts.
   void addOwned(int n);
@@ -82,6 +84,8 @@ class State : public SegmentFields {
   void setOrientation(int i, const Quatd& q) {
     pose[8 * i + 4] = q.w, pose[8 * i + 5] = q.x, pose[8 * i + 6] = q.y, pose[8 * i + 7] = q.z;
   }
+  /// A component of the viscous force (0 to 2) or torque (3 to 5) on a segment.
+  double viscousOn(int i, int c) const { return viscous ? viscous[6 * i + c] : 0.0; }
   /// Which of the kinds of segments it is.
   int kind(int i) const { return static_cast<int>(pose[8 * i + 3]); }
   void setKind(int i, int kind) { pose[8 * i + 3] = kind; }
