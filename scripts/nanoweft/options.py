@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import pathlib
+import re
 from collections.abc import Mapping
+
+WORD = re.compile(r""""[^"]*"|'[^']*'|\S+""")
 
 # A value; None stands for an option without one, False leaves the option out.
 Value = str | float | os.PathLike[str] | None
@@ -17,12 +20,17 @@ def read(file: str | os.PathLike[str]) -> dict[str, Value]:
 
 
 def parse(text: str) -> dict[str, Value]:
-    """Options one a line, with or without a value; # starts a comment."""
+    """Options one a line, with or without a value. A # at the beginning of a word begins a comment;
+    a value with blanks stands in quotes."""
     options: dict[str, Value] = {}
     for line in text.splitlines():
-        words = line.split("#")[0].split(maxsplit=1)
-        if words:
-            options[words[0].lstrip("-")] = words[1].strip() if len(words) > 1 else None
+        found = []
+        for word in WORD.findall(line):
+            if word.startswith("#"):
+                break
+            found.append(word[1:-1] if word[0] in "\"'" else word)
+        if found:
+            options[found[0].lstrip("-")] = " ".join(found[1:]) if len(found) > 1 else None
     return options
 
 

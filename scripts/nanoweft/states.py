@@ -229,6 +229,8 @@ class StateFile:
             closed = self.group["fibre_closed"][()] if "fibre_closed" in self.group else no_ids()
         except (OSError, RuntimeError):
             raise Unusable(self.foreign) from None
+        for name in {"position", "orientation"} & rows.keys():
+            rows[name] = np.asarray(rows[name], float)
         if not np.isfinite(rows["position"]).all():
             raise Unusable(f"{self.name}: some position is not finite")
         state = State(rows, self.lower, self.upper, self.periodic, self.step, self.time, self.units,
@@ -325,9 +327,7 @@ def of_kinds(state: State, names: Sequence[str], kind: ArrayLike) -> State:
 
 def at_rest(state: State) -> State:
     """The state with fibres whose shape at rest is the one that they have."""
-    tubes = find_tubes(state)
-    joined = tubes.first != tubes.second
-    first, second = tubes.first[joined], tubes.second[joined]
+    first, second = find_bonds(state)
     rest = np.zeros((len(state), 3))
     rest[first] = rotations.rotation_vectors(rotations.multiply(
         state["orientation"][first] * (1, -1, -1, -1), state["orientation"][second]))

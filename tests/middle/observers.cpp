@@ -127,6 +127,24 @@ TEST_F(ObserverTest, AConvergedRunIsOverUnlessMoreIsAskedOfItsRestart) {
   EXPECT_THROW(makeRelaxation(context())->restore(RunRecord{}), InputError);
 }
 
+TEST_F(ObserverTest, ARestartComparesWithTheEnergyBeforeIt) {
+  settings.relaxTolerance = 0.1;
+  settings.relaxInterval = 5;
+  const auto first = makeRelaxation(context());
+  energies.bending = 100;
+  first->begin(at(0));
+  const auto second = makeRelaxation(context());
+  second->restore(recordOf(*first));
+  energies.bending = 95;
+  second->observe(at(5));
+  EXPECT_EQ(second->verdict(at(5)), Verdict::done);
+  const auto third = makeRelaxation(context());
+  third->restore(recordOf(*first));
+  energies.bending = 80;
+  third->observe(at(5));
+  EXPECT_EQ(third->verdict(at(5)), Verdict::goOn);
+}
+
 TEST_F(ObserverTest, BalanceLooksAtForcesThatNothingHolds) {
   EXPECT_EQ(makeBalance(context()), nullptr);
   tubes.evaluate();

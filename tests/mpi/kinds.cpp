@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "support/expect.hpp"
+#include "support/formulas.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
 
@@ -98,6 +99,74 @@ TEST(KindsInOneRun, TheTableOfStressAddsUpToTheVirialOnAnyRanks) {
                     "-weave_fibres 2,2 -tension_rate 1e-5 -kind_stress_monitor ascii:k.csv "
                     "-ts_max_steps 2"),
                 {"-kind_stress_monitor", "-kinds"});
+}
+
+TEST(KindsInOneRun, TheTableOfKindsBooksEachOnItsOwn) {
+  // A thin fibre that is stretched and at rest, far from a thick one that flies; two more thin
+  // ones lie side by side.
+  const Folder folder;
+  constexpr double T = tube::length, strain = 0.01, speed = 1e-4;
+  FibreInput thin = straightFibre({0, 0, 0}, {1, 0, 0}, 6);
+  for (std::size_t k = 0; k < 6; ++k)
+    thin.position[k].x = static_cast<double>(k) * T * (1 + strain);
+  FibreInput thick = straightFibre({0, 300, 0}, {1, 0, 0}, 4);  // segments twice as long
+  for (Vec3d& x : thick.position) x.x *= 2;
+  const std::vector<FibreInput> fibres = {thin, thick, straightFibre({0, -300, 0}, {1, 0, 0}, 3),
+                                          straightFibre({0, -317, 0}, {1, 0, 0}, 3)};
+  writeState(folder / "in.h5", fibres);
+  // Rows: 6 of the first fibre, 4 of the second (thick), 3 and 3.
+  std::vector<double> kind(16, 0.0);
+  std::fill_n(kind.begin() + 6, 4, 1.0);
+  setDataset(folder / "in.h5", "kind", kind, 1);
+  setMotion(
+      folder / "in.h5",
+      [](std::size_t row, const Vec3d&) {
+        return Vec3d{0, row >= 6 && row < 10 ? speed : 0, 0};
+      },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
+  const std::string kinds =
+      "-kinds thin,thick -thick_fibre_radius 13.56 -thick_fibre_density 2273 -scene file "
+      "-scene_file in.h5 -start_unchecked -ts_max_steps 0 -kind_monitor ascii:k.csv ";
+  auto outcome = run(folder, kinds, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto table = readCsv(folder / "k.csv");
+  auto value = [&](const std::string& column) { return table.at(column).at(0); };
+  EXPECT_NEAR(value("thin_stretch") / (5 * 0.5 * tube::B1 * strain * strain * T * T), 1, 1e-9);
+  EXPECT_NEAR(value("thick_stretch"), 0, 1e-12);
+  EXPECT_EQ(value("thin_kinetic"), 0);
+  const double mass = 2273 * 1e-30 * 2 * tube::pi * 13.56 * tube::wall * 2 * T / 1.602176634e-29;
+  EXPECT_NEAR(value("thick_kinetic") / (4 * 0.5 * mass * speed * speed), 1, 1e-3);
+  EXPECT_LT(value("thin_thin_pair"), 0);
+  EXPECT_EQ(value("thin_thick_pair"), 0);
+  EXPECT_EQ(value("thick_thick_pair"), 0);
+}
+
+TEST(KindsInOneRun, TheTableOfStressBooksEachOnItsOwn) {
+  // Two fibres at the same strain, one three times as stiff as the other.
+  const Folder folder;
+  constexpr double T = tube::length, strain = 0.01;
+  constexpr int n = 40;
+  std::vector<FibreInput> fibres = {straightFibre({0, 0, 0}, {1, 0, 0}, n),
+                                    straightFibre({0, 200, 0}, {1, 0, 0}, n)};
+  for (FibreInput& f : fibres)
+    for (std::size_t k = 0; k < n; ++k) f.position[k].x = static_cast<double>(k) * T * (1 + strain);
+  writeState(folder / "in.h5", fibres);
+  std::vector<double> kind(2 * n, 0.0);
+  std::fill_n(kind.begin() + n, n, 1.0);
+  setDataset(folder / "in.h5", "kind", kind, 1);
+  const auto outcome =
+      run(folder,
+          "-kinds soft,stiff -soft_fibre_young 500 -stiff_fibre_young 1500 -scene file -scene_file "
+          "in.h5 -start_unchecked -tension_rate 1e-6 -tension_grip 30 -tension_thickness 10 "
+          "-tension_width 100 -ts_max_steps 0 -kind_stress_monitor ascii:k.csv",
+          2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto table = readCsv(folder / "k.csv");
+  const double soft = 500 * tube::area * strain / (100 * 10);
+  EXPECT_NEAR(table.at("soft_GPa").at(0) / soft, 1, 1e-3);
+  EXPECT_NEAR(table.at("stiff_GPa").at(0) / (3 * soft), 1, 1e-3);
+  for (const char* pair : {"soft_soft_pair_GPa", "soft_stiff_pair_GPa", "stiff_stiff_pair_GPa"})
+    EXPECT_EQ(table.at(pair).at(0), 0) << pair;
 }
 
 TEST(KindsInOneRun, OverlapIsMeasuredByTheRadiiOfBoth) {

@@ -87,7 +87,19 @@ TEST(Links, AreMadeAtRandomPlacesAsDenselyAsAsked) {
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_TRUE(readFile(one / "out.h5") == readFile(three / "out.h5"));
   const auto links = readDataset(one / "out.h5", "/link/rest_length");
-  EXPECT_NEAR(static_cast<double>(links.size()), 30, 15);  // three standard deviations
+  double all = 0;
+  for (int seed = 1; seed <= 8; ++seed) {
+    const Folder folder;
+    outcome = run(folder,
+                  "-weave_fibres 8,8 -weave_segments 24 -links_density 0.0057 -links_distance 22 "
+                  "-link_law spring -ts_max_steps 0 -state_output out.h5 -seed " +
+                      std::to_string(seed),
+                  1);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    all += static_cast<double>(readDataset(folder / "out.h5", "/link/rest_length").size());
+  }
+  const double expected = 8 * 0.0057 * 16 * 24 * 13.56;
+  EXPECT_NEAR(all, expected, 4 * std::sqrt(expected));
   const auto ends = readDataset(one / "out.h5", "/link/segments");
   for (std::size_t k = 0; k < links.size(); ++k) EXPECT_NE(ends[4 * k], ends[4 * k + 2]);
   outcome = run(other, made + "-seed 2", 1);

@@ -137,10 +137,14 @@ TEST(Partition, EvenSheetKeepsStraightCuts) {
 }
 
 TEST(Partition, FewerPiecesThanRanks) {
-  const Folder folder;
-  const auto outcome =
-      run(folder, "-scene fibre -fibre_segments 40 -partition metis -ts_max_steps 20", 4);
-  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const std::string options =
+      "-scene fibre -fibre_segments 40 -fibre_bend 1 -ts_max_steps 20 -state_output out.h5 ";
+  const Folder one, four;
+  auto outcome = run(one, options, 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(four, options + "-partition metis", 4);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(readFile(one / "out.h5") == readFile(four / "out.h5"));
 }
 
 }  // namespace

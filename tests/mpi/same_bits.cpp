@@ -1,6 +1,8 @@
 /// The same run gives the same bytes for any number of ranks and threads.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "nanoweft/base/floats.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
@@ -92,6 +94,8 @@ TEST(SameBits, WhateverTheSkin) {
     const Folder reference;
     auto outcome = run(reference, options + outputs + " -pair_skin 0.7", 1, 1);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto pair = readCsv(reference / "energy.csv").at("pair");
+    EXPECT_NE(*std::ranges::min_element(pair), 0) << "nothing has met";
     const std::pair<const char*, int> others[] = {{"", 1},
                                                   {" -pair_skin 0.4", 3},
                                                   {" -pair_skin 2", 1},

@@ -42,5 +42,24 @@ TEST(ShearOnRanks, SameBytesOnAnyRanksThreadsSkinsAndRestarts) {
     EXPECT_TRUE(readFile(pieces / file) == readFile(reference / file)) << file;
 }
 
+TEST(ShearOnRanks, AServoGoesOnAfterARestart) {
+  // Springs of fibres that lean are sheared back to no stress, in another plane.
+  const std::string film =
+      "-scene network -network_size 300,300,200 -network_fibres 30 -network_segments 10 "
+      "-links_density 0.005 -links_distance 40 -link_law spring "
+      "-link_stretch 2 -damping_local 0.2 -ts_dt 10 -deform_yz stress -deform_yz_stress 0.01 "
+      "-deform_modulus 1 -deform_time 1000 -progress_interval 0 ";
+  const Folder reference, pieces;
+  auto outcome = run(reference, film + outputs + "-ts_max_steps 400", 1, 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(readCsv(reference / "box.csv").at("strain_yz").back(), 0);
+  outcome = run(pieces, film + outputs + "-ts_max_steps 150 -checkpoint_file c.h5", 3);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(pieces, outputs + "-restart c.h5 -ts_max_steps 400", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* file : {"out.h5", "energy.csv", "box.csv"})
+    EXPECT_TRUE(readFile(pieces / file) == readFile(reference / file)) << file;
+}
+
 }  // namespace
 }  // namespace nanoweft::test

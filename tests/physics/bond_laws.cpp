@@ -196,10 +196,10 @@ TEST(PlasticFlow, AWireThatIsStretchedTooFarStaysLonger) {
 
 TEST(PlasticFlow, AFibreThatIsCurvedAtRestFlowsFromThatShape) {
   const Folder folder;
-  const double rest = 0.004 * tube::length, yield = 0.002 * tube::length;
+  const double rest = 0.005 * tube::length, yield = 0.002 * tube::length;
   const auto outcome =
       run(folder,
-          "-scene fibre -fibre_segments 2 -pair none -fibre_rest_curvature 0.004,0 "
+          "-scene fibre -fibre_segments 2 -pair none -fibre_rest_curvature 0.005,0 "
           "-fibre_yield_curvature 0.002 -damping_local 0.3 -ts_dt 10 -ts_max_steps 3000 "
           "-progress_interval 0 -state_output out.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;

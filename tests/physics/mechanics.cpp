@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/formulas.hpp"
 #include "support/program.hpp"
+#include "support/state_edit.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -84,14 +86,35 @@ TEST(Mechanics, EndMomentBendsIntoACircularArc) {
   }
 }
 
-TEST(Mechanics, FreeFibreFliesAndSpinsAsARigidBody) {
-  // Without load or strain nothing may change but the position.
+TEST(Mechanics, WhatIsFreeFliesStraightAndSpinsEvenly) {
   const Folder folder;
+  const Vec3d v{1e-3, -2e-3, 5e-4}, w{1e-3, 2e-3, -1e-3};
+  const FibreInput fibre = straightFibre({0, 0, 0}, {1.0 / 3, 2.0 / 3, 2.0 / 3}, 8),
+                   lone = straightFibre({0, 400, 0}, {0, 0, 1}, 1);
+  writeState(folder / "in.h5", {fibre, lone});
+  setMotion(
+      folder / "in.h5", [&](std::size_t, const Vec3d&) { return v; },
+      [&](std::size_t row, const Vec3d&) { return row == 8 ? w : Vec3d{}; });
   const auto outcome = run(folder,
-                           "-scene fibre -fibre_segments 8 -pair none -ts_max_steps 100 "
-                           "-energy_monitor ascii:energy.csv");
+                           "-scene file -scene_file in.h5 -pair none -ts_dt 10 -ts_max_steps 100 "
+                           "-energy_monitor ascii:energy.csv -state_output out.h5");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
-  EXPECT_LT(readCsv(folder / "energy.csv").at("total").back(), 1e-20);
+  const auto before = readVectors(folder / "in.h5", "/state/position"),
+             after = readVectors(folder / "out.h5", "/state/position");
+  const auto turned = readOrientations(folder / "out.h5"),
+             unturned = readOrientations(folder / "in.h5");
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_LT(norm(after[i] - before[i] - 1000.0 * v), 1e-9) << i;
+    const Quatd expected = i == 8 ? rotation(1000.0 * w) * unturned[i] : unturned[i];
+    const Quatd& q = turned[i];
+    EXPECT_NEAR(std::abs(q.w * expected.w + q.x * expected.x + q.y * expected.y + q.z * expected.z),
+                1, 1e-12)
+        << i;
+    EXPECT_LT(norm(Vec3d{q.x, q.y, q.z} - Vec3d{expected.x, expected.y, expected.z}), 1e-9) << i;
+  }
+  const auto energy = readCsv(folder / "energy.csv");
+  EXPECT_NEAR(energy.at("kinetic").back() / (9 * 0.5 * tube::mass * dot(v, v)), 1, 1e-12);
+  EXPECT_NEAR(energy.at("rotational").back() / (0.5 * tube::inertia * dot(w, w)), 1, 1e-12);
 }
 
 TEST(Mechanics, PeriodicClosedFibreIsUnstrained) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -120,6 +121,23 @@ TEST(Shear, ATriangularLatticeOfSpringsHasItsShearModulus) {
   EXPECT_NEAR(energy.at("external").back() / work, 1.0, 1e-3);
 }
 
+TEST(Shear, TheServoBringsTheLatticeToItsShearStress) {
+  const double mu = std::sqrt(3) / 4 * 2 / 10, stress = 2e-4 * mu / gigapascal;
+  const Folder folder;
+  writeLattice(folder / "in.h5", 0);
+  const auto outcome =
+      run(folder, fileScene +
+                      "-pair none -link_law spring -link_stretch 2 -deform_thickness 10 "
+                      "-damping_local 0.3 -deform_xy stress -deform_modulus 13.9 "
+                      "-deform_time 1000 -ts_dt 10 -ts_max_steps 3000 -monitor_interval "
+                      "100 -deform_xy_stress " +
+                      std::to_string(stress));
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto box = readCsv(folder / "box.csv");
+  EXPECT_NEAR(box.at("xy_GPa").back() / stress, 1.0, 1e-3);
+  EXPECT_NEAR(box.at("strain_xy").back() / 2e-4, 1.0, 2e-3);
+}
+
 TEST(Shear, AFreeSegmentFliesStraightThroughTheSlidingFace) {
   // Two segments far apart; velocities are those beside the box's motion.
   const double rate = 1e-4, dt = 5, length = 300, steps = 6000;
@@ -155,27 +173,40 @@ TEST(Shear, AFreeSegmentFliesStraightThroughTheSlidingFace) {
 }
 
 TEST(Shear, AFibreBondedThroughTheSlidingFaceIsStretchedByTheTilt) {
-  const int n = 40;
-  FibreInput fibre = straightFibre({100, 0.3, 0}, {0, 1, 0}, n);
-  fibre.closed = true;
-  const double tilt = 30, strain = std::hypot(tilt / (n * T), 1.0) - 1.0;
-  const Folder folder;
-  writeState(folder / "in.h5", {fibre}, {{0, 0, -100}, {200, n * T, 100}, {true, true, false}});
-  const auto outcome = run(folder,
-                           fileScene +
-                               "-pair none -damping_local 0.3 -deform_xy rate -deform_xy_rate "
-                               "2e-5 -deform_xy_until " +
-                               std::to_string(tilt / (n * T)) +
-                               " -ts_dt 10 -ts_max_steps 8000 "
-                               "-state_output out.h5",
-                           2);
-  ASSERT_EQ(outcome.status, 0) << outcome.output;
-  const double expected = 0.5 * tube::ES * strain * strain * n * T;
-  EXPECT_NEAR(readCsv(folder / "energy.csv").at("total").back() / expected, 1.0, 2e-3);
-  // At rest it has the shear stress of a rope that leans.
-  const double force = tube::ES * strain * tilt / (n * T) / std::hypot(tilt / (n * T), 1.0);
-  EXPECT_NEAR(readCsv(folder / "box.csv").at("xy_GPa").back() * gigapascal * 200 * 200 / force, 1.0,
-              5e-3);
+  constexpr int n = 40;
+  constexpr double tilt = 30, lean = tilt / (n * T);
+  const double strain = std::hypot(lean, 1.0) - 1.0;
+  const struct {
+    std::string name;
+    std::size_t along, across;
+  } pairs[] = {{"xy", 0, 1}, {"xz", 0, 2}, {"yz", 1, 2}};
+  for (const auto& [name, along, across] : pairs) {
+    std::array<double, 3> start{0.3, 0.3, 0.3}, direction{};
+    start[along] = 100, direction[across] = 1;
+    FibreInput fibre = straightFibre({start[0], start[1], start[2]},
+                                     {direction[0], direction[1], direction[2]}, n);
+    fibre.closed = true;
+    BoxInput box{{-100, -100, -100}, {100, 100, 100}, {false, false, false}};
+    box.lower[along] = box.lower[across] = 0;
+    box.upper[along] = 200, box.upper[across] = n * T;
+    box.periodic[along] = box.periodic[across] = true;
+    const Folder folder;
+    writeState(folder / "in.h5", {fibre}, box);
+    const std::string deform = " -deform_" + name;
+    const auto outcome = run(folder,
+                             fileScene + "-pair none -damping_local 0.3" + deform + " rate" +
+                                 deform + "_rate 2e-5" + deform + "_until " + std::to_string(lean) +
+                                 " -ts_dt 10 -ts_max_steps 8000 -state_output out.h5",
+                             2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const double expected = 0.5 * tube::ES * strain * strain * n * T;
+    EXPECT_NEAR(readCsv(folder / "energy.csv").at("total").back() / expected, 1.0, 2e-3) << name;
+    // At rest it has the shear stress of a rope that leans.
+    const double force = tube::ES * strain * lean / std::hypot(lean, 1.0);
+    const auto table = readCsv(folder / "box.csv");
+    EXPECT_NEAR(table.at(name + "_GPa").back() * gigapascal * 200 * 200 / force, 1.0, 5e-3) << name;
+    EXPECT_NEAR(table.at("strain_" + name).back(), lean, 1e-6) << name;
+  }
 }
 
 TEST(Shear, WhatCannotBeMeantIsRefused) {

@@ -175,6 +175,94 @@ TEST(Walls, ATurningFloorDragsWhatSlidesOnItByItsFriction) {
       1.0, 0.02);
 }
 
+TEST(Walls, WhatIsThrownAtThemReboundsByTheirRestitution) {
+  for (const double restitution : {1.0, 0.5, 0.2}) {
+    const Folder folder;
+    const double speed = 1e-4;
+    writeState(folder / "in.h5", {straightFibre({0, 0, rf + 0.05}, {1, 0, 0}, 1)});
+    setMotion(
+        folder / "in.h5",
+        [&](std::size_t, const Vec3d&) {
+          return Vec3d{0, 0, -speed};
+        },
+        [](std::size_t, const Vec3d&) { return Vec3d{}; });
+    const auto outcome =
+        run(folder, fromFile + floorWall + "-floor_restitution " + number(restitution) +
+                        " -ts_dt 1 -ts_max_time 6000 -state_output out.h5");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    // The overlap d and its rate, in steps far finer: the dashpot for this restitution pulls by no
+    // more than the load, and pushes by no more.
+    const double k = pi / 4 * 20 * gigapascal * T, h = 0.01,
+                 part = restitution < 1
+                            ? -std::log(restitution) / std::hypot(pi, std::log(restitution))
+                            : 0.0,
+                 viscosity = 2 * part * std::sqrt(k * tube::mass);
+    double d = 0, rate = speed;
+    do {
+      const double load = k * d;
+      rate -= h / tube::mass * (load + std::clamp(viscosity * rate, -load, load));
+      d += h * rate;
+    } while (d > 0);
+    const Vec3d now = readVectors(folder / "out.h5", "/state/velocity")[0];
+    EXPECT_NEAR(now.z / -rate, 1.0, 0.01) << restitution;
+    EXPECT_LT(std::abs(now.x) + std::abs(now.y), 1e-12);
+    EXPECT_LT(-rate, restitution < 1 ? 0.99 * speed : 1.01 * speed);
+  }
+}
+
+TEST(Walls, TheirMotionEndsWhenItIsSaid) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, 50}, {1, 0, 0}, 2)});
+  auto outcome = run(folder, fromFile +
+                                 "-walls w -w_point 0,0,0 -w_axis 0,0,1 -w_modulus 20 -w_velocity "
+                                 "0,0,3e-4 -w_ramp 1000 -w_stop 4000 -ts_dt 10 -ts_max_time 8000 "
+                                 "-wall_monitor ascii:w.csv -monitor_interval 100");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto table = readCsv(folder / "w.csv");
+  for (std::size_t k = 0; k < table.at("step").size(); ++k) {
+    const double time = 10 * table.at("step")[k], moving = std::min(time, 4000.0);
+    const double way = 3e-4 * (moving < 1000 ? moving * moving / 2000 : moving - 500);
+    EXPECT_NEAR(table.at("w_way_z")[k], way, 1e-12) << time;
+  }
+  // A floor that turns drags what lies on it along, and holds it up once it has stopped.
+  const double overlap = 0.01 / (pi / 4 * 20 * gigapascal * T);
+  writeState(folder / "in.h5", {straightFibre({100, 0, rf - overlap}, {1, 0, 0}, 1)});
+  auto speedAt = [&](const std::string& time) {
+    outcome = run(folder, fromFile + floorWall +
+                              "-floor_friction 0.3 -floor_restitution 0.3 -floor_spin 1e-5 "
+                              "-floor_stop 5000 -bc all -all_region 90,-10,-10,110,10,20 "
+                              "-all_fix_rotation -all_force 0,0,-0.01 -ts_dt 10 -state_output "
+                              "out.h5 -overwrite -ts_max_time " +
+                              time);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return readVectors(folder / "out.h5", "/state/velocity")[0].y;
+  };
+  const double most = 0.3 * 0.01 / tube::mass * 5000;
+  EXPECT_NEAR(speedAt("5000") / most, 1.0, 0.02);
+  EXPECT_NEAR(speedAt("7500") / most, 0.5, 0.02);
+}
+
+TEST(Walls, ANewStageForgetsHowItsFibresClungToWalls) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, rf}, {1, 0, 0}, 2)});
+  const std::string rough = floorWall +
+                            "-floor_friction 0.5 -floor_restitution 0.3 -bc all -all_region "
+                            "-100,-100,-100,100,100,100 -all_fix_rotation "
+                            "-wall_monitor ascii:w.csv -overwrite -ts_dt 10 ";
+  auto outcome = run(folder, fromFile + rough +
+                                 "-damping_local 0.3 -all_force 0,0.02,-0.1 -ts_max_steps 20000 "
+                                 "-monitor_interval 1000 -state_output rest.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NEAR(readCsv(folder / "w.csv").at("floor_force_y").back(), 0.04, 1e-5);
+  stopMotion(folder / "rest.h5");
+  outcome = run(folder, "-scene file -scene_file rest.h5 -pair none " + rough +
+                            "-all_force 0,0,-0.1 -ts_max_steps 1 -monitor_interval 1");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto table = readCsv(folder / "w.csv");
+  EXPECT_NEAR(table.at("floor_force_z").back(), -0.2, 1e-4);
+  EXPECT_NEAR(table.at("floor_force_y").back(), 0, 1e-6);
+}
+
 TEST(Walls, FibresInsideThemAreRefusedAndDeepContactsWarnOnce) {
   const Folder folder;
   for (const int ranks : {1, 3}) {

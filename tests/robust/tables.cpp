@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <sstream>
 
@@ -419,23 +420,37 @@ TEST(Tables, AKillWhileARestartOpensThemLosesNothing) {
   // With rows beyond the restart, so that the content has to change.
   const std::string whole = readFile(folder / "e.csv");
   const std::string kept = whole.substr(0, whole.find("\n3000,") + 1);
-  for (const char* moment : {"0.02", "0.05", "0.1", "0.15", "0.2", "0.25", "0.3", "0.4", "0.5"}) {
+  // The last one once the table has been changed.
+  writeText(folder / "whole.csv", whole);
+  const std::string changed =
+      "while kill -0 $PID && cmp -s e.csv whole.csv; do :; done; kill -9 $(pgrep -P $PID) $PID";
+  for (const char* moment :
+       {"0.02", "0.05", "0.1", "0.15", "0.2", "0.25", "0.3", "0.4", "0.5", "changed"}) {
     writeText(folder / "e.csv", whole);
     runBeside(folder, options + "-ts_max_steps 400000 -restart c.h5", 1,
-              std::string("sleep ") + moment + "; kill -9 $(pgrep -P $PID) $PID");
+              moment == std::string("changed")
+                  ? changed
+                  : std::string("sleep ") + moment + "; kill -9 $(pgrep -P $PID) $PID");
     EXPECT_TRUE(readFile(folder / "e.csv").starts_with(kept)) << moment;
   }
+  EXPECT_NE(readFile(folder / "e.csv"), whole) << "the last one was killed too early";
   expectDone(run(folder, options + "-ts_max_steps 3040 -restart c.h5"));
   EXPECT_EQ(readFile(folder / "e.csv"), whole);
 }
 
-/// Runs `options`, and beside it `second` in another folder's out.txt once the first is running.
-Outcome runTwo(const Folder& folder, const std::string& options, const std::string& second) {
-  runBeside(folder, options + " -progress_interval 0.05", 1,
-            "for i in $(seq 400); do grep -q ns/day out.txt && break; sleep 0.05; done; "
-            "OMP_NUM_THREADS=1 '" NANOWEFT_BINARY "' " +
-                second + " > second.txt 2>&1; echo $? > status.txt; kill -USR1 $PID");
-  return {std::stoi(readFile(folder / "status.txt")), readFile(folder / "second.txt")};
+/// Two runs at the same time.
+struct TwoOutcomes {
+  Outcome first, second;
+};
+/// Runs `options`, and beside it `second` in another folder's out.txt once the first is running;
+/// the first is stopped then.
+TwoOutcomes runTwo(const Folder& folder, const std::string& options, const std::string& second) {
+  const Outcome first =
+      runBeside(folder, options + " -progress_interval 0.05", 1,
+                "for i in $(seq 1200); do grep -q ns/day out.txt && break; sleep 0.05; done; "
+                "OMP_NUM_THREADS=1 '" NANOWEFT_BINARY "' " +
+                    second + " > second.txt 2>&1; echo $? > status.txt; kill -USR1 $PID");
+  return {first, {std::stoi(readFile(folder / "status.txt")), readFile(folder / "second.txt")}};
 }
 
 TEST(Tables, TwoRunsAtTheSameTimeDoNotShareATable) {
@@ -443,23 +458,31 @@ TEST(Tables, TwoRunsAtTheSameTimeDoNotShareATable) {
   const std::string options =
       "-weave_fibres 2,2 -weave_segments 12 -damping_local 0.3 -energy_monitor ascii:e.csv "
       "-monitor_interval 10 ";
-  expectRefused(runTwo(folder, options + "-ts_max_steps 100000000 -checkpoint_file c.h5",
-                       options + "-ts_max_steps 100"),
-                {"another run is writing it"});
+  const auto [first, second] =
+      runTwo(folder, options + "-ts_max_steps 100000000 -checkpoint_file c.h5",
+             options + "-ts_max_steps 100");
+  EXPECT_EQ(first.status, 3) << first.output;
+  expectRefused(second, {"another run is writing it"});
   const std::string stopped = readFile(folder / "e.csv");
+  const Lines steps = stepsIn(folder / "e.csv");
+  ASSERT_GT(steps.size(), 1u);
+  for (std::size_t k = 0; k + 1 < steps.size(); ++k) EXPECT_EQ(steps[k], std::to_string(10 * k));
   expectDone(run(folder, options + "-restart c.h5 -ts_max_steps 0"));
-  EXPECT_TRUE(stopped.starts_with(readFile(folder / "e.csv").substr(0, stopped.size())));
+  EXPECT_TRUE(readFile(folder / "e.csv").starts_with(stopped));
 }
 
 TEST(Tables, TwoRunsAtTheSameTimeDoNotShareSnapshots) {
   const Folder folder;
   const std::string options =
       "-weave_fibres 2,2 -weave_segments 12 -damping_local 0.3 -snapshot_file st ";
-  expectRefused(runTwo(folder,
-                       options + "-snapshot_interval 100000000 -ts_max_steps 100000000 "
-                                 "-checkpoint_file c.h5",
-                       options + "-ts_max_steps 100"),
-                {"another run is writing it"});
+  const auto [first, second] =
+      runTwo(folder,
+             options + "-snapshot_interval 100000000 -ts_max_steps 100000000 -checkpoint_file c.h5",
+             options + "-ts_max_steps 100");
+  EXPECT_EQ(first.status, 3) << first.output;
+  expectRefused(second, {"another run is writing it"});
+  EXPECT_NE(readFile(folder / "st.xdmf").find("st_0000000000.h5"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(folder / "st_0000000000.h5"));
 }
 
 TEST(Tables, AFailedWriteEndsTheRunAtOnce) {

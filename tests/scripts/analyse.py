@@ -237,6 +237,33 @@ class Space(unittest.TestCase):
             self.assertAlmostEqual(found["volume_fraction"], np.pi * R**2 / 2000, delta=1e-12)
 
 
+    def test_region_cuts_fibres_lengthwise(self):
+        # A sheet of fibres at z = 0, 14 A apart; the region covers eight of them.
+        state = state_of([line((0, 14.0 * k, 0), (1, 0, 0)) for k in range(-3, 11)])
+        for low, high in ((-2.0, 2.0), (0.5, 6.0), (-R, R), (-20.0, 60.0)):
+            limits = {0: (100.0, 150.0), 1: (-7.0, 7 * 14 + 7.0), 2: (low, high)}
+            found = measured(state, "porosity", region=limits)
+            area = 8 * (self.below(high) - self.below(low))
+            self.assertAlmostEqual(found["volume_fraction"], area / (8 * 14 * (high - low)),
+                                   delta=1e-12)
+        # Where two faces cut a fibre, its quarters count by the product of both shares.
+        found = measured(state_of([line((0, 0, 0), (1, 1, 0))]), "porosity",
+                         region={0: (100.0, 200.0), 1: (100.0, 200.0), 2: (-50.0, 50.0)})
+        across = np.linspace(-R, R, 2001)[:-1] + R / 2000
+        chord = 2 * np.sqrt(R**2 - across**2)
+        exact = (chord * (100 * 2**0.5 - 2 * np.abs(across))).sum() * R / 1000
+        self.assertAlmostEqual(found["fibre_volume"] / exact, 1, delta=0.02)
+
+    def test_a_projection_leaves_out_what_is_beyond_the_region(self):
+        sheet = [line((0, 40.0 * k, 0), (1, 0, 0)) for k in range(8)]
+        stray = [line((0, 40.0 * k + 20, 500), (1, 0, 0)) for k in range(7)]
+        limits = {0: (100.0, 400.0), 1: (0.0, 280.0), 2: (-20.0, 20.0)}
+        alone, both = (measured(state_of(fibres), "pores", axis=2, cells=5000, region=limits)
+                       for fibres in (sheet, sheet + stray))
+        for name in "open_area", "circle_max":
+            self.assertEqual(alone[name], both[name])
+
+
 class Contacts(unittest.TestCase):
     def test_crossings_count_once_each(self):
         pitch, gap = 5.5 * T, 2 * R + 3.4
@@ -332,10 +359,21 @@ class Loads(unittest.TestCase):
         np.testing.assert_allclose([numbers["stress_" + name] for name in ("min", "max", "mean")],
                                    [thick, thin, (10 * thin + 5 * thick) / 25], atol=1e-9)
 
+    def test_a_stretched_fibre_has_the_mass_of_its_segments(self):
+        for strain in 0.0, 0.2:
+            long = T * (1 + strain)
+            box = [0, -20, -20], [12 * long, 20, 20]
+            state = state_of([line((0.1, 0, 0), (1, 0, 0), 12, long)], box, (1, 1, 1), (0,))
+            state.run["fibre"] = np.array([R, T, 2649 * units.AMU, 1, 60, 1, 1, 1])
+            state.kinds = kinds.Kinds((), (R,))
+            grams = 12 * 2649 * 1.66053906660e-24
+            self.assertAlmostEqual(measured(state, "porosity", radius=())["density"],
+                                   grams / (12 * long * 1600 * 1e-24), delta=1e-9)
+
     def test_density_in_grams(self):
         limits = {0: (20.0, 60.0), 1: (-10.0, 10.0), 2: (-10.0, 10.0)}
         found = measured(self.state, "porosity", radius=(), region=limits)
-        grams = 2649 * 1.66053906660e-24 * 40 / T
+        grams = 2649 * 1.66053906660e-24 * 40 / (1.01 * T)  # stretched by 1 %
         self.assertAlmostEqual(found["density"], grams / (40 * 20 * 20 * 1e-24), delta=1e-6)
 
     def test_energy_of_each_kind(self):

@@ -172,6 +172,16 @@ class Bundles(FolderTest):
                     front.append(k)
         return len(set(state["fibre"][list(found)]))
 
+    def test_the_distance_follows_the_radius(self):
+        state = states.of_fibres([(np.zeros((2, 3)), np.zeros((2, 4)))], (0, 0, 0), (9, 9, 9))
+        self.assertEqual(bundles.usual_distance(state), 20)
+        for radii, expected in (((6.78,), 20), ((68.0,), 2 * 68 + 6.44), ((6.78, 68.0), None)):
+            state.kinds = kinds.Kinds(tuple("abc"[:len(radii)]) * (len(radii) > 1), radii)
+            found = bundles.usual_distance(state)
+            self.assertEqual(found and round(found, 9), expected)
+        state.units = "si"
+        self.assertIsNone(bundles.usual_distance(state))
+
     def test_picture(self):
         write_state(self.path("a.h5"), bundle(HEXAGON))
         write_state(self.path("b.h5"), bundle(HEXAGON[:3]))
@@ -200,4 +210,7 @@ class Bundles(FolderTest):
 
 if __name__ == "__main__":
     nanoweft, scripts = sys.argv[1:3]
+    sys.path.insert(0, scripts)
+    from nanoweft import kinds, states  # noqa: E402
+    from nanoweft.analysis import bundles  # noqa: E402
     unittest.main(argv=sys.argv[:1])

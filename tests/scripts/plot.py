@@ -130,6 +130,17 @@ class Plot(FolderTest):
                            + (end and "2,20," + end))
             self.assertEqual(list(tables.read(self.path("torn.csv"))["stretch"]), [1, 2])
 
+    def test_pictures_of_two_kinds_have_two_names(self):
+        with open(self.path("energy.csv"), "w") as file:
+            file.write("step,time_fs,stretch,shear,bending,torsion,pair,kinetic,rotational,total,"
+                       "damped,external,broken\n")
+            file.writelines(f"{k},{20 * k},{100 * 0.9**k},0,0,0,-1,1,1,{1 + 100 * 0.9**k},0,0,0\n"
+                            for k in range(60))
+        for kind, name in (("energy", "energy.png"), ("convergence", "energy_convergence.png")):
+            done = self.run_program(os.path.join(scripts, "plot"), kind, "energy.csv")
+            self.assertEqual((done.returncode, done.stdout.strip()), (0, name), done.stderr)
+            self.assertTrue(os.path.exists(self.path(name)))
+
     def test_refusals(self):
         write_table(self.path("stress.csv"), stresses())
         with open(self.path("short.csv"), "w") as file:

@@ -1,9 +1,11 @@
 """Tests of published numbers: python3 published.py SCRIPTS (NANOWEFT_PROGRAM names the program)"""
 from __future__ import annotations
 
+import math
 import pathlib
 import sys
 import unittest
+import unittest.mock
 
 import numpy as np
 from support import FolderTest
@@ -64,6 +66,20 @@ class Rods(FolderTest):
         for along, expected in ((24.9, 1.0), (27.5, 0.5), (30.1, 0.0)):
             beyond = rods.forces(apart + [[along, 0, 0]], x, y, 10.0)[0]
             self.assertAlmostEqual(beyond / 0.01**1.5, expected, delta=0.01)
+
+    def test_packings_that_do_not_tell_where_they_jam_give_no_number(self) -> None:
+        found = rods.Packing(*[0.5] * len(rods.Packing._fields))
+        loose = found._replace(force=0.0)
+        step = rods.Step(1.0, 0.0, found)
+        for then in (step._replace(packing=loose), step._replace(energy=2.0)):
+            steps = iter([step, then])
+            with unittest.mock.patch.multiple(rods, start=unittest.mock.DEFAULT,
+                                              press=unittest.mock.DEFAULT,
+                                              loosen=unittest.mock.DEFAULT,
+                                              rest=lambda *_: next(steps)):
+                done, jammed = rods.jam(pathlib.Path(), rods.Rods(5, 0.66))
+            self.assertEqual(len(done), 2)
+            self.assertTrue(math.isnan(jammed))
 
     def test_loose_rods_bear_nothing(self) -> None:
         # Five rods that all touch, and a sixth that touches one of them.

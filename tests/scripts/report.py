@@ -164,6 +164,41 @@ class Report(FolderTest):
         self.assertEqual(self.data(self.make()[1])["series"][0]["radii"], [6.78])
         self.assertEqual(self.data(self.make("--radius", "3")[1])["series"][0]["radii"], [3])
 
+    def test_nothing_but_an_earlier_page_is_replaced(self):
+        write_state(self.path("final.h5"), [straight(0)])
+        table = self.path("mine.csv")
+        with open(table, "w") as file:
+            file.write("kept\n")
+        done = self.report(self.folder, "-o", table)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+        self.assertIn("no page", done.stderr)
+        with open(table) as file:
+            self.assertEqual(file.read(), "kept\n")
+        self.make("-o", self.path("page.html"))
+        self.make("-o", self.path("page.html"))
+
+    def test_broken_bonds_of_thinned_pages_are_all_counted(self):
+        first = [straight(20.0 * k, 300) for k in range(60)]
+        broken = np.zeros(18000, int)
+        broken[[3, 4, 5, 6]] = 1
+        for step in range(30):
+            name = self.path(f"s_{step:010}.h5")
+            write_state(name, first, step=step, time=1000.0 * step, bond_broken=broken)
+        frame = self.data(self.make("--largest", "2.2")[1])["series"][0]["frames"][-1]
+        self.assertEqual(frame["broken"], 4)
+        self.assertLess(len(frame["torn"]), 4)
+
+    def test_numbered_checkpoints_are_no_series(self):
+        for step in 10, 20:
+            write_state(self.path(f"s_{step:010}.h5"), [straight(0)], step=step, time=1.0 * step)
+        write_state(self.path("checkpoint_0000000020.h5"), [straight(0)], step=20, time=20.0)
+        self.assertEqual([one["name"] for one in self.data(self.make()[1])["series"]], ["s"])
+
+    def test_times_of_curves_are_those_of_the_table(self):
+        time = np.array([0.0, 1234567.8])
+        given = scene.points(time, time, time, None, ("", "", "", ""))
+        self.assertEqual(given["time"], time.tolist())
+
     def test_files_that_cannot_be_read_are_named(self):
         write_state(self.path("final.h5"), [straight(0)])
         with open(self.path("broken.h5"), "w") as file:

@@ -103,6 +103,19 @@ class Scenes(FolderTest):
         with self.assertRaisesRegex(Unusable, "periodic box cannot be turned"):
             film().turned((0, 0, 1), 0.1)
 
+    def test_options_are_read_as_the_program_reads_them(self) -> None:
+        text = "-a 1 # one\n#-b 2\n-c\n-d run#2/out.h5\n-e 'a b#1.h5'\n-f 1,2  3\n"
+        self.assertEqual(options.parse(text), {"a": "1", "c": None, "d": "run#2/out.h5",
+                                               "e": "a b#1.h5", "f": "1,2 3"})
+
+    def test_the_bond_that_closes_a_ring_through_the_box_has_its_rest_shape(self) -> None:
+        turn = 0.1 * np.sin(2 * np.pi * (np.arange(16) + 0.5) / 16)
+        place = np.column_stack([10.0 * np.arange(16), np.zeros(16), np.zeros(16)])
+        fibre = place, rotations.rotation_about((0, 0, 1), turn)
+        state = states.of_fibres([fibre], (0, -50, -50), (160, 50, 50), (1, 0, 0), closed=True)
+        rest = states.at_rest(state)["rest_rotation"]
+        np.testing.assert_allclose(rest[:, 2], np.roll(turn, -1) - turn, atol=1e-12)
+
     def test_the_box_is_the_one_asked_for(self) -> None:
         low, high = (-200, -300, -400), (800, 900, 1000)
         mixed = scenes.join(rope(), box=(low, high), periodic=(0, 1, 0))
@@ -137,6 +150,6 @@ if __name__ == "__main__":
     nanoweft, scripts = sys.argv[1:3]
     os.environ["NANOWEFT_PROGRAM"] = nanoweft
     sys.path.insert(0, scripts)
-    from nanoweft import rotations, runs, scenes, states
+    from nanoweft import options, rotations, runs, scenes, states
     from nanoweft.problems import Unusable
     unittest.main(argv=sys.argv[:1])

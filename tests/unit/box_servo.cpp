@@ -24,6 +24,7 @@ struct SpringBox {
   double follow(const BoxServo::Law& law, double target) {
     const double missing = target - stiffness * strain - noise(count++);
     const double rate = servo.rate(law, {before, missing, strained});
+    EXPECT_LE(std::abs(rate), law.mostRate);
     before = missing;
     strained = rate * law.interval;
     strain += strained;
@@ -40,6 +41,14 @@ TEST(BoxServo, BringsBoxesOfAnyStiffnessToTheirStress) {
       for (int k = 0; k < 200; ++k) box.follow(law, 1);
       EXPECT_NEAR(stiffness * box.strain, 1, 1e-10) << stiffness << " in " << time;
     }
+}
+
+TEST(BoxServo, StrainsNoFasterThanItMay) {
+  for (const double target : {1.0, -1.0}) {  // 5e-5 by the viscosity of 20000
+    SpringBox box{0.01};
+    EXPECT_EQ(box.follow(usual, target), target * usual.mostRate);
+    EXPECT_EQ(box.follow(usual, target), target * usual.mostRate);
+  }
 }
 
 TEST(BoxServo, LeavesABoxAloneThatDoesNotOvershoot) {

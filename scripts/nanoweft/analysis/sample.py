@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,6 +30,7 @@ class Pieces:
     vector: Array  # [P,3], from begin to end
     row: Array  # [P]: of the segment that the piece starts from or ends at
     next: Array  # [P]: the piece that goes on from here, or -1
+    share: Array  # [P]: of the mass of a segment that it stands for: a bond one, an end a half
 
     def __len__(self) -> int:
         return len(self.row)
@@ -172,7 +172,8 @@ class Sample:
         onward = np.concatenate([start, self.next[self.bonded], np.full(len(last), -1)])
         follows = np.maximum(place[3 * onward + 1], place[3 * onward + 2])
         return Pieces(begin[order], vector[order], row[order],
-                      np.where(onward < 0, -1, follows)[order])
+                      np.where(onward < 0, -1, follows)[order],
+                      np.where(key % 3 == 1, 1.0, 0.5)[order])
 
     def axis(self, rows: Array) -> Array:
         """Axes of segments as their orientations have them."""
@@ -210,23 +211,3 @@ class Sample:
         """Whether the region goes round the periodic box along this axis."""
         lower, upper = self.region
         return bool(upper[axis] - lower[axis] >= self.box[axis] * (1 - 1e-12))
-
-    def inside(self, axes: tuple[int, ...] = (0, 1, 2)) -> Array:
-        """Share of each piece's axis within the region's limits along these axes [P]."""
-        pieces, (lower, upper) = self.pieces, self.region
-        limited = [k for k in axes if k in self.settings.region and not self.wraps(k)]
-        middle, centre = pieces.middle, 0.5 * (lower + upper)
-        share = np.zeros(len(pieces)) if limited else np.ones(len(pieces))
-        images = [(-1, 0, 1) if self.state.periodic[k] else (0,) for k in limited]
-        for image in itertools.product(*images) if limited else ():
-            low, high = np.zeros(len(pieces)), np.ones(len(pieces))
-            for k, step in zip(limited, image):
-                place = middle[:, k] - centre[k]
-                if self.state.periodic[k]:
-                    place = place - self.box[k] * (np.round(place / self.box[k]) + step)
-                along = pieces.vector[:, k]
-                along = np.where(np.abs(along) < 1e-300, 1e-300, along)
-                ends = (np.array([[-0.5], [0.5]]) * (upper[k] - lower[k]) - place) / along + 0.5
-                low, high = np.maximum(low, ends.min(axis=0)), np.minimum(high, ends.max(axis=0))
-            share += np.maximum(high - low, 0)
-        return share

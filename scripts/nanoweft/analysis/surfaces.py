@@ -48,17 +48,34 @@ def between(a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
     return np.asarray(np.linalg.norm(start + s[:, None] * u - t[:, None] * v, axis=1))
 
 
+def reaching(sample: Sample, axis: int) -> Array:
+    """Which pieces' bodies reach into the region's limits along an axis [P]."""
+    pieces, (lower, upper) = sample.pieces, sample.region
+    if axis not in sample.settings.region or sample.wraps(axis):
+        return np.ones(len(pieces), bool)
+    radius = sample.thickness[sample.kind[pieces.row]]
+    reach = (0.5 * np.abs(pieces.vector[:, axis])
+             + radius * np.sqrt(np.maximum(1 - pieces.direction[:, axis]**2, 0)))
+    apart = pieces.middle[:, axis] - 0.5 * (lower + upper)[axis]
+    if sample.state.periodic[axis]:
+        apart -= sample.box[axis] * np.round(apart / sample.box[axis])
+    return np.asarray(np.abs(apart) < 0.5 * (upper - lower)[axis] + reach)
+
+
 class Surfaces:
     """Surfaces of the fibres along some axes: all three, or two of a projection."""
 
     def __init__(self, sample: Sample, axes: tuple[int, ...]) -> None:
         pieces, self.axes = sample.pieces, list(axes)
         self.lower, self.box = sample.region[0][self.axes], sample.box[self.axes]
+        there = np.ones(len(pieces), bool)
+        for k in set(range(3)) - set(axes):
+            there &= reaching(sample, k)
         self.kinds: list[Kind] = []  # radius, middles, vectors; owners of samples, samples
         of = sample.kind[pieces.row]
-        for kind in np.unique(of):
+        for kind in np.unique(of[there]):
             radius = float(sample.thickness[kind])
-            mine = np.ix_(of == kind, self.axes)
+            mine = np.ix_(there & (of == kind), self.axes)
             middle, vector = pieces.middle[mine], pieces.vector[mine]
             # Samples of the axes, about half a radius from each other.
             length = np.linalg.norm(vector, axis=1)
@@ -75,7 +92,7 @@ class Surfaces:
         """How far points [M,d] are from the next surface; below zero inside of a fibre. Looks at
         the pieces of so many samples near each."""
         of_kinds = [self.away_from(kind, points, near) for kind in self.kinds]
-        return np.asarray(np.min(of_kinds, axis=0))
+        return np.asarray(np.min(of_kinds, axis=0) if of_kinds else np.full(len(points), np.inf))
 
     def away_from(self, kind: Kind, points: Array, near: int) -> Array:
         radius, middle, vector, owner, tree = kind

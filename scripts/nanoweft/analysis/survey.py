@@ -13,7 +13,7 @@ import numpy as np
 
 from ..problems import Unusable
 from ..states import State, StateFile
-from .bundles import CLASSES, Fabric, named
+from .bundles import CLASSES, Fabric, named, usual_distance
 from .contacts import contacts
 from .findings import Column, Curve, Findings, Settings
 from .loads import energy, stress
@@ -30,9 +30,10 @@ NEEDED = ("position", "orientation", "fibre", "index", "image", "bond_broken", "
 def bundles(sample: Sample) -> Findings:
     """As scripts/bundles counts them."""
     found = Findings(trends=("bundle_mean", "bundle_max"))
-    beside = sample.settings.beside or (20.0 if sample.state.units == "nano" else None)
+    beside = sample.settings.beside or usual_distance(sample.state)
     if not beside:
-        raise Lacking(f"{sample.name}: in {sample.state.units} units; give --beside")
+        raise Lacking(f"{sample.name}: in {sample.state.units} units or of fibres of different"
+                      " radii; give --beside")
     try:
         fabric = Fabric(sample.state, beside, sample.settings.length)
     except Unusable as error:

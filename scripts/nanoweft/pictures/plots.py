@@ -44,7 +44,7 @@ def largest_change(table: Table) -> float:
     """Of any energy in the run."""
     exchanged = [table.elastic, table.motion,
                  *(table[name] for name in ("pair", "damped", "broken", "external",
-                                            "friction", "heat")
+                                            "friction", "heat", "walls")
                    if name in table)]
     return max(float(np.ptp(values)) for values in exchanged) or 1.0
 

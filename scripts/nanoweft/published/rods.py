@@ -191,7 +191,8 @@ def loosen(folder: pathlib.Path, rods: Rods, share: float) -> None:
 
 def jam(folder: pathlib.Path, rods: Rods, steps: int = 3) -> tuple[list[Step], float]:
     """Rods are pressed and come to rest, and are then loosened step by step towards the density
-    where they jam; the packings, and that density's share of the volume by extrapolation."""
+    where they jam; the packings, and that density's share of the volume by extrapolation, which is
+    not a number where the last two packings do not tell it."""
     start(folder / "start.h5", rods)
     press(folder, rods)
     done = [rest(folder, rods)]
@@ -203,6 +204,6 @@ def jam(folder: pathlib.Path, rods: Rods, steps: int = 3) -> tuple[list[Step], f
         # Of Hertz contacts: energy ~ (share - jammed)^2.5.
         (a, x), (b, y) = ((step.energy**0.4, step.packing.share) for step in done[-2:])
         if a <= b or done[-1].packing.force == 0:
-            break
+            return done, math.nan
         jammed = y - b * (x - y) / (a - b)
     return done, jammed

@@ -71,10 +71,12 @@ def survey(path: pathlib.Path) -> Folder:
         except Unusable as problem:
             folder.unusable.append(str(problem))
             continue
+        if found.purpose == "checkpoint" or "checkpoint" in file.stem:
+            continue
         numbered = re.fullmatch(r"(.+)_(\d{4,})", file.stem)
         if numbered:
             groups.setdefault(numbered[1], []).append(found)
-        elif found.purpose != "checkpoint" and "checkpoint" not in file.stem:
+        else:
             singles.append(found)
     for name, frames in groups.items():
         folder.series.append(Series(name, sorted(frames, key=lambda f: (f.time, f.step))))

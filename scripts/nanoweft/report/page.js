@@ -613,10 +613,10 @@
       state.frame = Math.max(0, Math.min(s.frames.length - 1, Math.round(frame)));
       $('key').innerHTML = this.tubes.update(state.frame, state.colour);
       $('slider').value = String(state.frame);
-      const now = s.frames[state.frame], torn = now.torn.length;
+      const now = s.frames[state.frame];
       $('now').innerHTML = `${now.time}<small>step ${now.step.toLocaleString('en')}</small>`;
       const rows = [['snapshot', `${state.frame + 1} of ${s.frames.length}`], ['time', now.time], ...this.curve.facts(state.frame)];
-      if (!rows.some(([name]) => name === 'broken bonds')) rows.push(['broken bonds', torn]);
+      if (!rows.some(([name]) => name === 'broken bonds')) rows.push(['broken bonds', now.broken]);
       $('state').innerHTML = rows.map(([name, value]) => `<dt>${name}</dt><dd>${value}</dd>`).join('');
       this.curve.mark(state.frame);
       this.ask();

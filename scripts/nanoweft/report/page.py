@@ -199,7 +199,20 @@ def write(folder: Folder, output: pathlib.Path, radii: tuple[float, ...] = (),
         "data": payload, "script": (HERE / "page.js").read_text()}
     page = re.sub(r"\{\{(\w+)\}\}", lambda match: values[match[1]],
                   (HERE / "page.html").read_text())
+    write_page(output, page)
+
+
+MARK = "<!doctype html>"
+
+
+def write_page(output: pathlib.Path, page: str) -> None:
+    """Replaces an earlier page, and nothing else."""
     try:
+        if output.exists() and not output.is_char_device():
+            with output.open("rb") as file:
+                begin = file.read(len(MARK))
+            if begin.lower() != MARK.encode() and begin:
+                raise Unusable(f"{output}: is there and no page; give another name or remove it")
         output.write_text(page)
     except OSError as error:
         raise Unusable(f"cannot write {output}: {error.strerror}") from None

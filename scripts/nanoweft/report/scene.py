@@ -117,7 +117,10 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
     wanted = ("position", "fibre", "index", "image", "group", "bond_broken", "kind")
     first = states.read(chosen.frames[0].file, wanted)
     rows = kept_rows(first, chosen.stride)
-    positions, torn, columns = [], [], {}  # type: list[Array], list[Array], dict[str, list[Array]]
+    positions: list[Array] = []
+    torn: list[Array] = []
+    broken: list[int] = []
+    columns: dict[str, list[Array]] = {}
     for frame in chosen.frames:
         with StateFile(frame.file) as file:
             state = file.read(wanted)
@@ -125,6 +128,7 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
                 raise Unusable(f"{frame.file}: other fibres than in {chosen.frames[0].file}")
             positions.append(state.whole[rows].astype(np.float32))
             torn.append(torn_after(state, rows))
+            broken.append(int((state["bond_broken"] != 0).sum()))
             for name in sorted(set(file.drawable()) & set(WANTED) - SKIPPED):
                 columns.setdefault(name, []).append(file.numbers(name)[rows].astype(np.float32))
     low = np.min([x.min(axis=0) for x in positions], axis=0).astype(float)
@@ -144,7 +148,7 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
         "kind": encoded(first["kind"][rows].astype(np.uint8)) if several else "",
         "box": [first.lower.tolist(), first.upper.tolist(), first.periodic.astype(int).tolist()],
         "groups": [int(mask) for mask in masks], "group": encoded(group.astype(np.uint8)),
-        "frames": [frame_data(chosen.frames[k], positions[k], torn[k], low, span)
+        "frames": [frame_data(chosen.frames[k], positions[k], torn[k], broken[k], low, span)
                    for k in range(len(chosen.frames))],
         "fields": fields, "note": chosen.note, "curve": curve(series, first.units)}
 
@@ -158,12 +162,13 @@ def radii_of(state: State, given: tuple[float, ...]) -> list[float]:
     return [float(radius) for radius in radii]
 
 
-def frame_data(frame: Header, position: Array, torn: Array, low: Array,
+def frame_data(frame: Header, position: Array, torn: Array, broken: int, low: Array,
                span: Array) -> dict[str, Any]:
     share = np.round((position - low) / span * 65535).astype(np.uint16)
     return {"time": time_text(frame.time, frame.units), "step": frame.step, "file": frame.file.name,
             "seconds": frame.time * SECONDS[frame.units if frame.units == "si" else "nano"],
-            "position": encoded(share), "torn": np.flatnonzero(torn).tolist()}
+            "position": encoded(share), "torn": np.flatnonzero(torn).tolist(),
+            "broken": broken}
 
 
 def describe(name: str, columns: list[Array], units: str) -> dict[str, Any]:
@@ -198,8 +203,8 @@ def points(time: Array, x: Array, y: Array, second: Array | None,
            titles: tuple[str, str, str, str]) -> dict[str, Any]:
     rows = np.unique(np.round(np.linspace(0, len(x) - 1, min(len(x), 1500))).astype(int))
 
-    def short(values: Array) -> list[float]:
-        return [float(f"{value:.6g}") for value in values[rows]]
-    return {"time": short(time), "x": short(x), "y": short(y),
+    def short(values: Array, digits: int = 6) -> list[float]:
+        return [float(f"{value:.{digits}g}") for value in values[rows]]
+    return {"time": short(time, 17), "x": short(x), "y": short(y),
             "second": None if second is None else short(second),
             "titles": titles}

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .. import generators, states
 from ..generators import LENGTH
+from ..problems import Unusable
 from ..states import State
 
 Array = NDArray[Any]
@@ -63,7 +64,14 @@ def of_state(state: State) -> Scene:
 
 
 def read(file: str) -> Scene:
-    return of_state(states.read(file, ("position", "fibre", "index")))
+    """A state of (10,10) tubes, whose range of forces the model takes; Unusable else."""
+    state = states.read(file, ("position", "fibre", "index"))
+    if state.units != "nano" or any(abs(r - LENGTH / 2) > 0.01 for r in state.kinds.radii):
+        raise Unusable(f"{file}: of other fibres than (10,10) tubes, whose range of forces the"
+                       " model takes")
+    if state.tilt.any():
+        raise Unusable(f"{file}: its box is tilted by shear, which the model does not know")
+    return of_state(state)
 
 
 def weave(fibres: int, segments: int, periodic: bool = False) -> Scene:

@@ -18,7 +18,8 @@ from ..problems import RunFailed
 from ..rotations import matrices, rotation_about
 
 Array = NDArray[Any]
-RESULTS = pathlib.Path(os.environ.get("NANOWEFT_RESULTS", runs.ROOT / "results/verification"))
+RESULTS = pathlib.Path(os.environ.get("NANOWEFT_RESULTS",
+                                      runs.ROOT / "results/verification")).absolute()
 CURVES: dict[str, Any] = {}  # what the plot shows, by name
 
 
@@ -84,7 +85,7 @@ def simulate(name: str, options: str) -> pathlib.Path:
     """Runs the program in results/verification/NAME; {dir} in the options is that folder."""
     folder = RESULTS / name
     folder.mkdir(parents=True, exist_ok=True)
-    words = options.format(dir=folder.relative_to(runs.ROOT)).split()
+    words = [word.format(dir=os.path.relpath(folder, runs.ROOT)) for word in options.split()]
     done = runs.run(words)
     (folder / "log.txt").write_text(" ".join(map(str, done.args)) + "\n" + done.stdout
                                     + done.stderr)

@@ -15,8 +15,9 @@ BLOCKS = 20
 SCENES = {
     "undamped fibre": ("-scene fibre -fibre_segments 24 -fibre_bend 1 -fibre_twist 1 "
                        "-fibre_strain 0.01 -pair none", 16, 16000),
-    "undamped weave": ("-weave_fibres 4,4 -weave_segments 24", 12, 6000),
-    "damped weave": ("-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4", 12, 6000),
+    "undamped weave": ("-weave_fibres 4,4 -weave_segments 24 -pair_points 5", 12, 6000),
+    "damped weave": ("-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -pair_points 5", 12,
+                     6000),
     "damped weave, fewer far points": ("-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 "
                                        "-pair_far_points 1", 12, 6000),
     "pulled and broken weave": (

@@ -65,7 +65,7 @@ def fold():
                      (segments - 1) * math.asin(0.9 * critical / stiffness), below, 1e-3,
                      "damped for 0.4 ns"),
             Row(KINKS, "tube under 1.05 of its critical moment: angle beyond 1.5 rad", 1.5, above,
-                max(0.0, 1.5 - above), 1e-12, "it folds")]
+                float(np.maximum(0.0, 1.5 - above)), 1e-12, "it folds")]
 
 
 CHECKS = {"links_ladder": ladder, "kinks_fold": fold}
