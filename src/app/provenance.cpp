@@ -101,6 +101,9 @@ void requireParts(const StateHeader& checkpoint, const ExtraFields& extras) {
           format("-restart %s: its /state/%s is missing or empty, without which the run cannot go "
                  "on",
                  checkpoint.run.source.c_str(), part.c_str()));
+  if (checkpoint.run.reals.contains("links") && !checkpoint.parts.contains("link"))
+    throw InputError(format("-restart %s: its /link is missing, without which the run cannot go on",
+                            checkpoint.run.source.c_str()));
 }
 
 }  // namespace nanoweft

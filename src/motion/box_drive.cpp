@@ -159,8 +159,7 @@ bool BoxDrive::servoed() const {
 }
 
 void BoxDrive::attachServos(const RunRecord& record) {
-  // A direction may be driven since the restart only.
-  if (!servoed() || !record.reals.contains(servoName)) return;
+  if (!servoed()) return;
   const std::size_t each = BoxServo::Numbers{}.size();
   const auto& numbers = record.needReals(servoName, axes_.size() * each);
   for (std::size_t d = 0; d < axes_.size(); ++d) {

@@ -18,7 +18,7 @@ constexpr double K = 1029 * gigapascal * moment / T;
 
 /// Angle between the clamped first and the last of 12 segments under a couple at the end, after
 /// 20000 damped steps.
-double angleUnder(double couple) {
+double angleUnder(double couple, const std::string& more = "") {
   const Folder folder;
   char text[64];
   std::snprintf(text, sizeof text, "-tip_torque 0,0,%.17g", couple);
@@ -28,7 +28,7 @@ double angleUnder(double couple) {
                       "-damping_local 0.7 -ts_dt 20 -ts_max_steps 20000 -bc root,tip -root_region "
                       "-1,-9,-9,1,9,9 -root_fix 1,1,1 -root_fix_rotation -tip_region "
                       "148,-9,-9,150,9,9 -progress_interval 0 -state_output out.h5 ") +
-              text);
+              more + text);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   const auto q = readOrientations(folder / "out.h5");
   return std::acos(dot(axis1(q.front()), axis1(q.back())));
@@ -43,6 +43,22 @@ TEST(Kinks, ABentTubeFoldsAtItsCriticalCurvature) {
   EXPECT_LT(angleUnder(0.98 * critical), 11 * (angle + width));
   // Some bond gives way, and the rest of the tube is no more bent than before.
   EXPECT_GT(angleUnder(1.05 * critical), 1.5);
+}
+
+TEST(Kinks, BeyondThemAPartOfTheStiffnessIsLeft) {
+  const double angle = 2 * std::sin(0.5 * 0.003636 * T), width = 0.1 * angle, left = 0.3;
+  const double couple = 1.2 * K * angle;
+  // The turn a of each bond. Its direction halves it, which its shear, 12 K strong, does not like.
+  double low = 0, high = 0.3;
+  for (int k = 0; k < 60; ++k) {
+    const double a = 0.5 * (low + high), theta = 2 * std::sin(0.5 * a);
+    const double kinked = (1 - left) * (theta - angle - 0.5 * width) / theta;
+    const double moment =
+        K * (std::sin(a) * (1 - kinked) + 6 * (1 - std::cos(0.5 * a)) * std::sin(0.5 * a));
+    (moment < couple ? low : high) = a;
+  }
+  ASSERT_GT(2 * std::sin(0.5 * low), angle + width);
+  EXPECT_NEAR(angleUnder(couple, "-fibre_kink_stiffness 0.3 "), 11 * low, 1e-3);
 }
 
 }  // namespace

@@ -164,6 +164,16 @@ TEST(BreakageLaw, OptionsOfOneLawAreRefusedWithTheOther) {
   EXPECT_FALSE(read("", tube));
   EXPECT_EQ(read("-break_per fibre", tube)->scatter, 0.01);
   EXPECT_EQ(read("-break_law weibull", tube)->length0, 13.56);
+  const auto weibull = read(
+      "-break_law weibull -break_weibull_shape 4 -break_weibull_strain 0.02 -break_weibull_length "
+      "100",
+      tube);
+  EXPECT_EQ(weibull->shape, 4);
+  EXPECT_EQ(weibull->strain0, 0.02);
+  EXPECT_EQ(weibull->length0, 100);
+  const auto normal = read("-break_strain_mean 0.2 -break_strain_std 0.03", tube);
+  EXPECT_EQ(normal->mean, 0.2);
+  EXPECT_EQ(normal->deviation, 0.03);
   EXPECT_THROW(read("-break_law weibull -break_strain_mean 0.2", tube), InputError);
   EXPECT_THROW(read("-break_weibull_shape 4", tube), InputError);
   EXPECT_THROW(read("-break_scatter 0.1", tube), InputError);

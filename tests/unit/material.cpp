@@ -275,6 +275,23 @@ TEST(Range, AnAccuracyThatIsAskedForChoosesIt) {
   EXPECT_EQ(pairOf("-pair_accuracy 0.1 -pair_cutoff 60", nanoUnits())->cutoff(), 60);
 }
 
+TEST(PairOptions, ReachTheLawsThatTheyAreOf) {
+  const auto says = [](const std::string& options, const std::string& words) {
+    const std::string text = pairOf(options, nanoUnits())->description();
+    EXPECT_NE(text.find(words), std::string::npos) << options << ": " << text;
+  };
+  says("-vdw_a 0.03", " A 0.03,");
+  says("-vdw_b 1.2", " B 1.2,");
+  says("-vdw_stiffness 150", " k 150 ");
+  says("-vdw_epsilon 0.08", " eps 0.08 ");
+  const std::string contact = "-pair contact -contact_modulus 20 ";
+  says(contact + "-contact_points 3", "3 points along");
+  says(contact + "-contact_friction 0.2",
+       "friction 0.2, tangential stiffness 0.2857, restitution 1");
+  says(contact + "-contact_friction 0.2 -contact_tangential 0.5 -contact_restitution 0.7",
+       "friction 0.2, tangential stiffness 0.5, restitution 0.7");
+}
+
 TEST(ForceError, AnAccuracyTakesSinglePrecisionWhereThatPays) {
   auto single = [](const std::string& options) {
     return pairOf(options, nanoUnits())->description().ends_with(", single precision");
