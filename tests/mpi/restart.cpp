@@ -112,7 +112,7 @@ TEST(Restart, SignalsWriteACheckpointAndEndWithThree) {
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   // Wait for the first progress line, then ask mpirun, which passes SIGUSR1 on.
   const std::string wait =
-      "for i in $(seq 200); do grep -q ns/day out.txt && break; sleep 0.05; done; ";
+      "for i in $(seq 1200); do grep -q ns/day out.txt && break; sleep 0.05; done; ";
   outcome = runBeside(pieces, options + " -state_output out.h5", 2, wait + "kill -USR1 $PID");
   ASSERT_EQ(outcome.status, 3) << outcome.output;
   EXPECT_NE(outcome.output.find("-restart c.h5"), std::string::npos) << outcome.output;

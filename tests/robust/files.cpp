@@ -112,7 +112,7 @@ TEST(FilesBesides, AnotherRunsOutputOfTheSameTimeIsKept) {
       "-scene weave -weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 4000 "
       "-progress_interval 0.05 -state_output f.h5",
       2,
-      "for i in $(seq 400); do grep -q ns/day out.txt && break; sleep 0.05; done; echo mine > "
+      "for i in $(seq 1200); do grep -q ns/day out.txt && break; sleep 0.05; done; echo mine > "
       "f.h5");
   expectEnds(outcome, 2, "will not replace f.h5");
   EXPECT_EQ(readFile(folder / "f.h5"), "mine\n");

@@ -59,6 +59,7 @@ Outcome alone(const Folder& folder, const std::string& options, const std::strin
   std::ofstream(folder / "script.sh")
       << "export OMP_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1\n"
       << "export OMPI_MCA_btl_vader_single_copy_mechanism=none\n"
+      << "export OMPI_MCA_ess_singleton_isolated=1\n"
       << wrapper << " '" NANOWEFT_BINARY "' " << options << " > out.txt 2>&1 &\nPID=$!\n{ "
       << beside << "; } > beside.txt 2>&1\nwait $PID\n";
   const int status =

@@ -495,7 +495,7 @@ TEST(Tables, AFailedWriteEndsTheRunAtOnce) {
   EXPECT_NE(outcome.output.find("No space left on device"), std::string::npos) << outcome.output;
   // A folder that goes away.
   outcome = runBeside(folder, options + "sub/e.csv -progress_interval 0.05", 2,
-                      "for i in $(seq 400); do grep -q ns/day out.txt && break; sleep 0.05; done; "
+                      "for i in $(seq 1200); do grep -q ns/day out.txt && break; sleep 0.05; done; "
                       "rm -r sub");
   EXPECT_EQ(outcome.status, 2) << outcome.output;
   EXPECT_NE(outcome.output.find("e.csv: it was removed"), std::string::npos) << outcome.output;
