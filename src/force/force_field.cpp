@@ -107,15 +107,15 @@ void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies&
   job.breakage = tallies.request.mayBreak && settings_.breakage;
   if (!outer && thread == 0) job.agreement = tallies.request.agreement;
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
-    const auto& [first, second, law, widest] = settings_.pairs.classes()[c];
-    const PairForce& force = *law;
+    const PairForces::Class& between = settings_.pairs.classes()[c];
+    const PairForce& force = *between.force;
     PairList& list = lists_.pairs()[c];
     DrawnPairs& drawn = outer ? list.drawn()[thread].outer : list.drawn()[thread].inner;
     if (tallies.margin > 0)
       force.draw(outer ? list.threads()[thread].outer : list.threads()[thread].inner, state.pose,
                  nearest_, tallies.margin, drawn);
     job.drawn = &drawn;
-    job.viscous = widest ? settings_.viscous.between(force) : ViscousDamping{};
+    job.viscous = between.damps ? settings_.viscous.between(force) : ViscousDamping{};
     job.viscousSum =
         tallies.viscousPairs && (job.viscous || force.rubs()) ? viscousSums_.data() : nullptr;
     force.add(job, tallies.request.energies, tallies.pairs[thread]);
@@ -346,7 +346,8 @@ ClosestPair findClosestPair(const State& state, const ForceField& forces,
   double smallest = closest.distance;
   for (std::size_t c = 0; c < forces.pairs().classes().size(); ++c) {
     const PairForce& force = *forces.pairs().classes()[c].force;
-    const double unit = least(force), span = force.reach() - force.cutoff();
+    const Both<double> half = force.pointSpan();
+    const double unit = least(force), span = half.i + half.j;
     if (!(unit > 0)) continue;
     for (const auto& thread : forces.lists().pairs()[c].threads())
       for (const auto* list : {&thread.inner, &thread.outer})

@@ -49,6 +49,7 @@ void ListKeeper::makePairLists(State& state, const Domain& domain, const CellInd
                       settings_.pairs.classes()[c].force->reach() + skin_,
                       settings_.pairs.exclude());
   tuneMargin(state);
+  margin_ = std::min(margin_, skin_);
   startDrawing(state);
   reference_.resize(3 * static_cast<std::size_t>(state.owned()));
   if (span_ > 0) axes_.resize(reference_.size());
@@ -72,20 +73,21 @@ void ListKeeper::listKinds(const State& state) {
     if (state.box.periodic[d]) lower[d] = state.box.lower[d], upper[d] = state.box.upper[d];
   const auto& classes = settings_.pairs.classes();
   for (std::size_t c = 0; c < classes.size(); ++c) {
-    const auto& [first, second, force, widest] = classes[c];
-    const auto& others = ofKind[static_cast<std::size_t>(second)];
-    const double range = force->reach() + skin_;
+    const auto first = static_cast<std::size_t>(classes[c].first),
+               second = static_cast<std::size_t>(classes[c].second);
+    const PairForce& force = *classes[c].force;
+    const auto& others = ofKind[second];
+    const double range = force.reach() + skin_;
     // Cells for the others' own range: those for a range far beyond it would hold too many.
-    const PairForce* among = settings_.pairs.between(second, second);
+    const PairForce* among = settings_.pairs.between(classes[c].second, classes[c].second);
     const double edge = std::min(range, among ? among->reach() + skin_ : range);
     const CellLattice lattice(lower, upper, state.box, edge, range,
                               static_cast<double>(others.size()));
     const CellIndex cells(state, lattice, others);
     if (classes[c].mixed())
-      pairs_[c].buildMixed(state, ofKind[static_cast<std::size_t>(first)], {lattice, cells},
-                           shares_, range);
+      pairs_[c].buildMixed(state, ofKind[first], {lattice, cells}, shares_, range);
     else
-      pairs_[c].build(state, {lattice, cells}, shares_, range, force->exclude());
+      pairs_[c].build(state, {lattice, cells}, shares_, range, force.exclude());
   }
 }
 

@@ -15,7 +15,17 @@ PairForces::PairForces(std::vector<Class> classes) : classes_(std::move(classes)
     length = std::max({length, c.force->length().i, c.force->length().j});
   }
   for (const Class& c : classes_) c.force->setUnits(largest, length);
-  for (Class& c : classes_) c.widest = between(c.first, c.second) == c.force.get();
+  for (Class& c : classes_) {
+    c.widest = between(c.first, c.second) == c.force.get();
+    // The first of those that reach as far.
+    const Class* farthest = &c;
+    for (const Class& other : classes_)
+      if (other.between(c.first, c.second) &&
+          (other.force->cutoff() > farthest->force->cutoff() ||
+           (other.force->cutoff() == farthest->force->cutoff() && &other < farthest)))
+        farthest = &other;
+    c.damps = farthest == &c;
+  }
 }
 
 const PairForce* PairForces::between(int a, int b) const {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "nanoweft/base/error.hpp"
 #include "nanoweft/force/interpolation.hpp"
 
 namespace nanoweft {
@@ -36,23 +37,8 @@ std::array<double, 4> packedRow(const F& f, double width) {
 PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& slope) {
   joins_ = joins;
   cutoff_ = joins.cutoff;
-  const double inner = joins.inner * joins.inner, outer = joins.outer * joins.outer,
-               cutoff = joins.cutoff * joins.cutoff;
-  zones_[0] = {(1.0 - first) / inner, first};
-  // The begin of the switch has to be a node, too. Of all nodes from y = 16 on, it gets the one for
-  // which the cutoff falls nearest to a node.
-  double best = 1.0, end = 0.0;
-  for (double octave = 16; best > joins.miss; octave *= 2)
-    for (int k = 0; k < 1 << bits; ++k) {
-      const double image = octave + std::ldexp(octave * k, -bits),
-                   scale = (image - 1.0) / (outer - inner), y = 1.0 + scale * (cutoff - inner),
-                   width = std::ldexp(1.0, std::ilogb(y) - bits),
-                   miss = std::abs(y / width - std::round(y / width));
-      if (scale < zones_[0].scale || miss >= best) continue;
-      best = miss;
-      end = width * std::round(y / width);
-      zones_[1] = {scale, 1.0 - scale * inner};
-    }
+  zones_[0] = {(1.0 - first) / (joins.inner * joins.inner), first};
+  const double end = placeNodes();
   last_ = std::ldexp(1.0, std::ilogb(end) + 1);
 
   const int rows = (std::ilogb(last_ / first) << bits) + 1;
@@ -95,7 +81,45 @@ PairTable::PairTable(const Joins& joins, const std::function<double(double r)>& 
   memory_ = std::move(memory);
 }
 
+double PairTable::placeNodes() {
+  const double inner = joins_.inner * joins_.inner, outer = joins_.outer * joins_.outer,
+               cutoff = joins_.cutoff * joins_.cutoff;
+  if (!(inner < outer && outer < cutoff))
+    throw InputError(format("a pair law whose parts join at %g, %g and %g cannot be tabulated",
+                            joins_.inner, joins_.outer, joins_.cutoff));
+  // From the begin of the switch to the end are at least so many parts of the table.
+  constexpr double fewest = 2;
+  if ((cutoff - outer) / (outer - inner) * (1 << bits) < fewest)
+    throw InputError(
+        format("a pair law that fades from %.10g to %.10g does so too abruptly; begin earlier or "
+               "end later "
+               "(-pair_switch and -pair_cutoff, or those of its gap)",
+               joins_.outer, joins_.cutoff));
+  // The begin of the switch has to be a node, too. Of all nodes from y = 16 on, it gets the one for
+  // which the cutoff lies least beyond a node. After some octaves the next ones bring nothing new.
+  constexpr int octaves = 6;
+  const double least = 1.0 + zones_[0].scale * (outer - inner);
+  double octave = 16, best = 2.0, end = 0.0;
+  while (2.0 * octave <= least) octave *= 2.0;
+  for (int n = 0; n < octaves && best > joins_.miss; ++n, octave *= 2.0)
+    for (int k = 0; k < 1 << bits; ++k) {
+      const double image = octave + std::ldexp(octave * k, -bits),
+                   scale = (image - 1.0) / (outer - inner), y = 1.0 + scale * (cutoff - inner),
+                   width = std::ldexp(1.0, std::ilogb(y) - bits),
+                   miss = y / width - std::floor(y / width);
+      if (scale < zones_[0].scale || miss >= best) continue;
+      best = miss;
+      end = width * std::floor(y / width);
+      zones_[1] = {scale, 1.0 - scale * inner};
+    }
+  return end;
+}
+
 PairTable PairTable::nearPart(double from) const {
+  if (!(from > joins_.inner))
+    throw InputError(
+        format("-pair_far_from %g: must lie beyond %g, where the branches of the law join", from,
+               joins_.inner));
   const double rest = slope(from * from);
   // The middle join only places nodes: the law is smooth there. The force ends with a kink.
   return PairTable({joins_.inner, 0.5 * (joins_.inner + from), from, 1e-3},

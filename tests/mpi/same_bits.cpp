@@ -112,6 +112,31 @@ TEST(SameBits, WhateverTheSkin) {
   }
 }
 
+TEST(SameBits, ASkinThinnerThanWhatSegmentsMoveInAStep) {
+  // Two fibres end on, whose last points meet within the first steps.
+  const Folder scene;
+  writeState(scene / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 12),
+                               straightFibre({11 * 13.56 + 24.52, 0, 0}, {1, 0, 0}, 12)});
+  setMotion(
+      scene / "in.h5",
+      [](std::size_t row, const Vec3d&) {
+        return Vec3d{row < 12 ? 0.005 : -0.005, 0, 0};
+      },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
+  const std::string options = "-scene file -scene_file " + scene / "in.h5" +
+                              " -pair hertz -pair_points 5 -ts_dt 20 -ts_max_steps 20 "
+                              "-monitor_interval 1 -energy_monitor ascii:energy.csv -pair_skin ";
+  const Folder wide, thin;
+  auto outcome = run(wide, options + "2", 1);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(thin, options + "0.1", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto pair = readCsv(wide / "energy.csv").at("pair");
+  EXPECT_EQ(pair[0], 0);
+  EXPECT_GT(pair[3], 0);
+  EXPECT_TRUE(readFile(wide / "energy.csv") == readFile(thin / "energy.csv"));
+}
+
 TEST(SameBits, SegmentsThatTurnTowardsEachOtherMeetInTime) {
   // Their centres hardly move. A restart draws its pairs anew, when the ends are near already.
   const Folder scene;

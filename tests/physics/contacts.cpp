@@ -342,5 +342,25 @@ TEST(Contacts, KeepTheirEnergyWhileTheyRollOverAndSlideOffEnds) {
   }
 }
 
+TEST(Contacts, BesideThemDampingActsAsFarAsTheOtherLaw) {
+  // Two fibres that a bridge of liquid holds, which do not touch; one is drawn along the other.
+  double damped[2];
+  for (int k = 0; k < 2; ++k) {
+    const Folder folder;
+    writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 10),
+                                  straightFibre({0, 15.5, 0}, {1, 0, 0}, 10)});
+    const auto outcome = run(
+        folder, std::string("-scene file -scene_file in.h5 -capillary_tension 0.0045 "
+                            "-capillary_volume 50 -damping_viscous 1 -bc drawn -drawn_region "
+                            "-9,15,-9,999,16,9 -drawn_velocity 1e-4,0,0 -ts_dt 10 -ts_max_steps "
+                            "10 -monitor_interval 10 -energy_monitor ascii:e.csv -pair ") +
+                    (k == 0 ? "capillary" : "capillary,contact -contact_modulus 20"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    damped[k] = readCsv(folder / "e.csv").at("damped").back();
+  }
+  EXPECT_GT(damped[0], 1e-5);
+  EXPECT_NEAR(damped[1] / damped[0], 1, 1e-6);
+}
+
 }  // namespace
 }  // namespace nanoweft::test

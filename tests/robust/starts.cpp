@@ -434,4 +434,31 @@ TEST(Threads, GiveWayWhereTheyShareACoreAndTheBytesStay) {
   EXPECT_EQ(all.output.find("worked on average"), std::string::npos) << all.output;
 }
 
+TEST(Starts, TubesOfAnyChiralityAndLawsOfAnyRangeHaveTheirTables) {
+  const Folder folder;
+  const std::string fibre = "-scene fibre -fibre_segments 8 -ts_max_steps 1 ";
+  for (const char* preset : {"cnt_7_3", "cnt_8_4", "cnt_8_5", "cnt_16_14", "cnt_17_10", "cnt_22_3",
+                             "cnt_26_0", "cnt_39_17"})
+    expectDone(run(folder, fibre + "-fibre_preset " + preset));
+  for (const char* range :
+       {"-pair_cutoff 63", "-pair_far_from 25.27",
+        "-pair_points 5 -pair_far_points 5 -pair_cutoff "
+        "65.62",
+        "-pair capillary,contact -capillary_tension 0.0045 -capillary_volume 2400 "
+        "-contact_modulus 20"})
+    expectDone(run(folder, fibre + range));
+}
+
+TEST(Starts, TheDeepestOverlapIsFoundWhateverStandsBeforeIt) {
+  // Two fibres side by side, and two end on whose points are nearer than their centres tell.
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 8),
+                                straightFibre({0, 17.343571, 0}, {1, 0, 0}, 8),
+                                straightFibre({0, 500, 0}, {1, 0, 0}, 8),
+                                straightFibre({7 * 13.56 + 18, 500, 0}, {1, 0, 0}, 8)});
+  for (const int ranks : {1, 2, 4})
+    expectRefused(run(folder, "-scene file -scene_file in.h5 -ts_max_steps 1", ranks),
+                  {"fibre 2 segment 7", "fibre 3 segment 0"});
+}
+
 }  // namespace

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "helpers.hpp"
+#include "nanoweft/base/error.hpp"
 #include "nanoweft/force/hertz.hpp"
 #include "nanoweft/force/pair_kernel.hpp"
 #include "nanoweft/force/surface_law.hpp"
@@ -207,6 +208,40 @@ TEST(PairTable, AgreesWithItsLaw) {
     EXPECT_EQ(table(54.3 * 54.3).slope, 0.0);
     EXPECT_EQ(table(1e30).energy, 0.0);
   }
+}
+
+TEST(PairTable, EndsWhereItsLawDoesWhateverTheRanges) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (int k = 0; k < 1500; ++k) {
+    const double inner = 3 + 40 * any(random), outer = inner * (1.05 + 4 * any(random)),
+                 cutoff = outer * (1.02 + 0.6 * any(random) * any(random));
+    if ((cutoff * cutoff - outer * outer) / (outer * outer - inner * inner) < 2.0 / 512) continue;
+    const auto law = [&](double r) {
+      const double x = std::max(0.0, (r - outer) / (cutoff - outer));
+      return inner / (r * r) * (1 - x * x * x * (10 - 15 * x + 6 * x * x));
+    };
+    const PairTable table({inner, outer, cutoff}, law);
+    double worst = 0;
+    for (int n = 1; n < 200; ++n) {
+      const double r = inner * 0.5 + (cutoff - inner * 0.5) * n / 200;
+      worst = std::max(worst, std::abs(table.slope(r * r) - law(r)) / law(inner));
+    }
+    EXPECT_LT(worst, 1e-6) << inner << " " << outer << " " << cutoff;
+    for (const double r2 : {cutoff * cutoff, 1.0000001 * cutoff * cutoff, 4 * cutoff * cutoff}) {
+      EXPECT_EQ(table.slope(r2), 0.0) << inner << " " << outer << " " << cutoff;
+      EXPECT_EQ(table(r2).energy, 0.0) << inner << " " << outer << " " << cutoff;
+    }
+  }
+}
+
+TEST(PairTable, RefusesWhatItCannotHold) {
+  const auto flat = [](double) { return 1.0; };
+  EXPECT_THROW(PairTable({16, 54.23, 54.24}, flat), InputError);  // a fifth of a part
+  EXPECT_THROW(PairTable({16, 15, 54.24}, flat), InputError);
+  EXPECT_THROW(PairTable({16, 40, 40}, flat), InputError);
+  const PairTable table({16, 40, 54}, flat);
+  EXPECT_THROW(table.nearPart(15), InputError);
 }
 
 TEST(PairTable, StaysFiniteWhateverComesIn) {

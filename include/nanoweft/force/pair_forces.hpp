@@ -18,9 +18,11 @@ class PairForces {
   struct Class {
     int first, second;
     std::shared_ptr<PairForce> force;
-    /// Of several laws between two kinds, the one that reaches farthest. What belongs to a pair of
-    /// segments rather than to a law (viscous damping, new links) goes by its list.
+    /// Of several laws between two kinds, the one whose list reaches farthest: new links go by it.
     bool widest = true;
+    /// Of several laws between two kinds, the one whose forces reach farthest: viscous damping acts
+    /// where it does.
+    bool damps = true;
 
     bool mixed() const { return first != second; }
     bool between(int a, int b) const {

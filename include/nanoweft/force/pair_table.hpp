@@ -114,11 +114,13 @@ class PairTable : public PairRows<double> {
   /// Distances where the law is not smooth: the inner join, the begin of the switch, the end.
   struct Joins {
     double inner, outer, cutoff;
-    /// How far the cutoff may lie from a node, in parts. A law whose force ends with a kink needs
-    /// less than one that fades smoothly, and gets more rows.
+    /// How far the cutoff may lie beyond a node, in parts, where that can be had: the law ends
+    /// there. A law whose force ends with a kink needs less than one that fades smoothly, and gets
+    /// more rows.
     double miss = 1e-2;
   };
-  /// `slope`: u'(r)/r between the joins, taken one-sidedly at them.
+  /// `slope`: u'(r)/r between the joins, taken one-sidedly at them. Throws InputError for joins
+  /// that do not follow each other, or leave too little room for the switch.
   PairTable(const Joins& joins, const std::function<double(double r)>& slope);
 
   const Joins& joins() const { return joins_; }
@@ -127,6 +129,9 @@ class PairTable : public PairRows<double> {
   PairTable farPart(double from) const;
 
  private:
+  /// Sets the second zone; returns where the law ends, a node at or just before the cutoff.
+  double placeNodes();
+
   Joins joins_;
   std::shared_ptr<const double[]> memory_;
 };
