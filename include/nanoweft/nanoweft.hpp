@@ -46,15 +46,17 @@ class Run {
   struct Energies {
     double stretch = 0, shear = 0, bending = 0, torsion = 0;  ///< of the bonds
     double pair = 0;                                          ///< between fibres
+    double walls = 0;  ///< of contacts with walls, and of the motion of driven ones
     double kinetic = 0, rotational = 0;
     double damped = 0;    ///< taken out by damping, since the start
+    double friction = 0;  ///< taken out by friction, since the start; no part of `damped`
     double external = 0;  ///< brought in by grips and loads, since the start
     double broken = 0;    ///< taken out with bonds that broke, since the start
     double heat = 0;      ///< brought in by the thermostat, since the start
     std::int64_t brokenBonds = 0;
 
     double elastic() const { return stretch + shear + bending + torsion; }
-    double total() const { return elastic() + pair + kinetic + rotational; }
+    double total() const { return elastic() + pair + walls + kinetic + rotational; }
   };
 
   struct Segment {

@@ -331,11 +331,12 @@ void printEnd(const RunParts& parts, const Moment& end) {
   if (plan.minimises() || plan.settings.relaxForce > 0)
     PetscPrintf(plan.comm, "largest force that nothing balances: %.4g %s\n",
                 largestResidual(end.state(), end.system.forces, plan.boundaries), units.force);
+  const std::string walls = plan.walls.empty() ? "" : format(", walls %.10g", e.walls);
   PetscPrintf(plan.comm,
               "energies (%s): stretch %.10g, shear %.10g, bending %.10g, torsion %.10g, pair "
-              "%.10g, kinetic %.6g, rotational %.6g\n",
-              units.energy, e.stretch, e.shear, e.bending, e.torsion, e.pair, e.kinetic,
-              e.rotational);
+              "%.10g%s, kinetic %.6g, rotational %.6g\n",
+              units.energy, e.stretch, e.shear, e.bending, e.torsion, e.pair, walls.c_str(),
+              e.kinetic, e.rotational);
 }
 
 void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock, double team) {

@@ -149,8 +149,20 @@ std::int64_t Run::total() const {
 
 Run::Energies Run::energies() const {
   const nanoweft::Energies& e = implementation_->energies();
-  return {e.stretch,    e.shear,  e.bending,  e.torsion, e.pair, e.kinetic,
-          e.rotational, e.damped, e.external, e.broken,  e.heat, e.brokenBonds};
+  return {.stretch = e.stretch,
+          .shear = e.shear,
+          .bending = e.bending,
+          .torsion = e.torsion,
+          .pair = e.pair,
+          .walls = e.walls,
+          .kinetic = e.kinetic,
+          .rotational = e.rotational,
+          .damped = e.damped,
+          .friction = e.friction,
+          .external = e.external,
+          .broken = e.broken,
+          .heat = e.heat,
+          .brokenBonds = e.brokenBonds};
 }
 
 std::vector<Run::Segment> Run::segments() const {

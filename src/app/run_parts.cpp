@@ -159,7 +159,7 @@ void RunParts::fillState() {
   if (!plan->checkpoint) checkStart();
   if (forces->pairs())
     requireWideBox(plan->box, 2 * forces->lists().range(),
-                   "two list ranges (cutoff + segment + skin)", units.length);
+                   "two list ranges (reach of the forces + skin)", units.length);
 }
 
 void RunParts::chooseTeam() {

@@ -196,6 +196,7 @@ OutputContext RunPlan::outputContext(bool over) const {
   OutputContext context;
   context.comm = comm;
   context.rule.run = provenance;
+  context.open = box.periodic == std::array{false, false, false};
   context.rule.overwrite = settings.overwrite;
   context.rule.restart = restart;
   if (checkpoint) context.rule.checkpoint = provenanceOf(checkpoint->run);

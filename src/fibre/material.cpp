@@ -102,6 +102,10 @@ void readKink(OptionSection& s, const UnitSystem& units, Fibre& f) {
       "curvature at which the fibre kinks: beyond it the bending moment grows no more", positive);
   const double residual = s.real("fibre_kink_stiffness", 0.0, "",
                                  "bending stiffness of a kink over that of the fibre", {0.0, 1.0});
+  if (!curvature && s.given("fibre_kink_stiffness"))
+    throw InputError(
+        "-fibre_kink_stiffness: not used by this run, whose fibres do not kink "
+        "(-fibre_kink_curvature)");
   if (!curvature) return;
   // |e1_i - e1_j| of two axes that are turned by T times the curvature.
   f.kink.angle = 2.0 * std::sin(0.5 * std::min(*curvature * f.length, 3.0));

@@ -115,11 +115,11 @@ void ListKeeper::stretch(const Box& box, const std::array<double, 3>& factor) {
   }
   if (const double wide = room(box); wide < skin_) {
     if (wide < leastSkin())
-      throw RunError(
-          format("the periodic box has become too thin: two list ranges (cutoff + segment + skin) "
-                 "are %g at least, and it is %g x %g x %g",
-                 2.0 * (settings_.pairs.reach() + leastSkin()), box.length(0), box.length(1),
-                 box.length(2)));
+      throw RunError(format(
+          "the periodic box has become too thin: two list ranges (reach of the forces + skin) "
+          "are %g at least, and it is %g x %g x %g",
+          2.0 * (settings_.pairs.reach() + leastSkin()), box.length(0), box.length(1),
+          box.length(2)));
     // Thinner than need be, so that a box that goes on shrinking has new lists now and then only.
     skin_ = std::max(0.8 * wide, leastSkin());
     outdated_ = true;

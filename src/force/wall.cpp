@@ -76,6 +76,7 @@ class WallReader {
                        (radius ? option("_radius") + " is for a cylinder or a sphere"
                                : "give " + option("_radius")));
     w.radius = radius.value_or(0.0);
+    axisGiven_ = axis.has_value();
     w.inside = s_.flag(name_ + "_inside", false, "");
     if (w.inside && w.shape == Wall::plane)
       throw InputError(option("_inside") + ": a plane has no inside; turn " + option("_axis"));
@@ -86,6 +87,10 @@ class WallReader {
     w.velocity = velocity.value_or(Vec3d{});
     w.force = force.value_or(Vec3d{});
     w.spin = real("_spin", 0.0, {});
+    if (w.shape == Wall::sphere && w.spin != 0 && !axisGiven_)
+      throw InputError("-walls " + name_ + ": give " + option("_axis") + ", about which it turns");
+    if (w.shape == Wall::sphere && w.spin == 0 && axisGiven_)
+      throw InputError(option("_axis") + ": not used by this run, whose sphere does not turn");
     w.ramp = real("_ramp", 0.0, nonNegative);
     w.stop = real("_stop", 0.0, nonNegative);
     if (velocity && force)
@@ -120,11 +125,15 @@ class WallReader {
     }
     w.friction.mu = real("_friction", 0.0, nonNegative);
     w.friction.restitution = real("_restitution", 1.0, {0.0, 1.0});
+    if (w.spin != 0 && w.friction.mu == 0)
+      throw InputError(option("_spin") + ": not used by this run: a wall without " +
+                       option("_friction") + " drags nothing along");
   }
 
   OptionSection s_;
   const UnitSystem& units_;
   std::string name_;
+  bool axisGiven_ = false;
 };
 
 void documentWalls(OptionSection& s, const UnitSystem& units) {
@@ -133,8 +142,9 @@ void documentWalls(OptionSection& s, const UnitSystem& units) {
   s.document("NAME_shape", "plane", "", "plane, cylinder or sphere");
   s.document("NAME_point", "none", units.length,
              "a point of the plane or of the axis, or the centre");
-  s.document("NAME_axis", "none", "",
-             "normal of the plane, towards the fibres, or axis of the cylinder");
+  s.document(
+      "NAME_axis", "none", "",
+      "normal of the plane, towards the fibres, axis of the cylinder, or of a sphere's spin");
   s.document("NAME_radius", "none", units.length, "of a cylinder or a sphere");
   s.document("NAME_inside", "false", "", "the fibres are inside the cylinder or the sphere");
   s.document("NAME_velocity", "0,0,0", speed.c_str(), "prescribed velocity of the wall");

@@ -136,6 +136,11 @@ void Boundaries::readOneNamed(Options& options, const std::string& name) {
   b.force = force.value_or(Vec3d{});
   b.torque = torque.value_or(Vec3d{});
   b.ramp = n.real(name + "_ramp", 0.0, "", "", nonNegative);
+  if (b.ramp > 0 && !held && !force && !torque)
+    throw InputError(
+        format("-%s_ramp: not used by this run: the group has no velocity, spin, force "
+               "or torque to grow",
+               name.c_str()));
   const double moved[3] = {b.velocity.x, b.velocity.y, b.velocity.z};
   for (std::size_t d = 0; d < 3; ++d)
     if (moved[d] != 0 && !b.fix[d])

@@ -31,18 +31,20 @@ double Tension::timeLeft(double time) const {
 
 namespace {
 
+constexpr const char* noTest = "there is no tension test without -tension_rate or -tension_program";
+
 /// What differs between a test with one rate and one with a program.
-void readCourse(Options& options, const OptionSection& section, const UnitSystem& units,
-                Tension& t) {
+void readCourse(Options& options, const OptionSection& section, bool wanted,
+                const UnitSystem& units, Tension& t) {
   OptionSection s = section;
   const std::string perTime = std::string("1/") + units.time;
   const auto legs = s.reals("tension_program", 0, "none", perTime.c_str(),
                             "strain,rate,strain,rate,...: goes to each strain at its rate, one "
                             "after the other; instead of -tension_rate");
-  OptionSection one(options, "Tension test", !legs,
-                    "-tension_program says the rates and where the test ends");
+  OptionSection one(options, "Tension test", wanted && !legs,
+                    legs ? "-tension_program says the rates and where the test ends" : noTest);
   const auto rate =
-      one.maybeReal("tension_rate", "2e8 1/s", perTime.c_str(),
+      one.maybeReal("tension_rate", "none", perTime.c_str(),
                     "engineering strain rate, below zero to press; turns the test on");
   if (rate && *rate == 0) throw InputError("-tension_rate 0: nothing would be pulled");
   t.rate = rate.value_or(2e8 * units.secondsPerTime);
@@ -64,16 +66,14 @@ void readCourse(Options& options, const OptionSection& section, const UnitSystem
 std::optional<Tension> readTension(Options& options, const UnitSystem& units, const Kinds& kinds,
                                    double restDistance) {
   OptionSection ask(options, "Tension test");
-  const bool wanted = ask.given("tension_rate") || ask.given("tension_program") ||
-                      ask.given("tension_axis") || ask.given("tension_grip");
-  OptionSection s(options, "Tension test", wanted,
-                  "there is no tension test without -tension_rate or -tension_program");
+  const bool wanted = ask.given("tension_rate") || ask.given("tension_program");
+  OptionSection s(options, "Tension test", wanted, noTest);
   Tension t;
   const std::string axis =
       s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
   t.axis = axis[0] - 'x';
   if (s.given("tension_axis")) t.asked.axis = t.axis;
-  readCourse(options, s, units, t);
+  readCourse(options, s, wanted, units, t);
   t.asked.grip = s.maybeReal("tension_grip", "10 rf", units.length,
                              "length of each grip, from the ends of the piece inwards", positive);
   t.grip = t.asked.grip.value_or(10.0 * kinds.thickest());

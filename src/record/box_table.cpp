@@ -1,5 +1,6 @@
 #include "nanoweft/record/box_table.hpp"
 
+#include "nanoweft/base/error.hpp"
 #include "nanoweft/record/gage_stress.hpp"
 #include "nanoweft/record/table_observer.hpp"
 
@@ -27,6 +28,13 @@ class BoxTable : public TableObserver {
                                                       : TableObserver::view(moment);
   }
   void save(RunRecord& record) const override { drive_.save(record); }
+  void check(const OutputContext& context) const override {
+    if (wanted() && context.open)
+      throw InputError(
+          "-box_monitor: the box is open in all directions (-domain_periodic), so it has no "
+          "stress");
+    TableObserver::check(context);
+  }
 
  protected:
   std::vector<double> row(const Moment& moment) override {

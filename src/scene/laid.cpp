@@ -118,7 +118,8 @@ class LaidScene final : public Scene {
     if (laying_.space > 0)
       text += format(", volume fraction %.4g, %.4g fibres a %s^3", volume_ / laying_.space,
                      static_cast<double>(laying_.fibres) / laying_.space, units_.length);
-    return text + (laying_.also.empty() ? "" : ", " + laying_.also);
+    return text + (laying_.also.empty() ? "" : ", " + laying_.also) +
+           (laying_.warning.empty() ? "" : "\n  warning: " + laying_.warning);
   }
 
   void fill(State& state) const override {

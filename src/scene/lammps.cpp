@@ -62,7 +62,10 @@ class DataFile {
   /// The atoms of each fibre in order, and of those whether the last is tied to the first: fibres
   /// with two ends in the order of their lower ends, then rings.
   std::vector<std::pair<std::vector<int>, bool>> chains() const;
-  CentreLine lineThrough(const std::vector<int>& chain, bool closed, const Box& box) const;
+  /// Counts in `otherwise` the bonds that by their image flags lead elsewhere than to the nearest
+  /// image.
+  CentreLine lineThrough(const std::vector<int>& chain, bool closed, const Box& box,
+                         int& otherwise) const;
   /// The kind of a chain, where kind(type) is that of an atom.
   int kindOf(const std::vector<int>& chain, const std::vector<int>& kinds) const;
 
@@ -86,6 +89,7 @@ class DataFile {
   double scale_;
   const Style* style_;
   int line_ = 0;
+  bool flagged_ = false;  ///< atoms have image flags
   std::map<std::string, std::int64_t> counts_{{"atoms", -1}, {"bonds", 0}, {"types", -1}};
   Box box_;
   std::vector<Atom> atoms_;
@@ -186,6 +190,7 @@ void DataFile::readAtom(const Words& words) {
   const std::size_t x = style_->x;
   atom.x = {scale_ * number(words[x]), scale_ * number(words[x + 1]),
             scale_ * number(words[x + 2])};
+  flagged_ = flagged_ || words.size() > n;
   for (std::size_t d = 0; d < words.size() - n; ++d)
     atom.image[d] = static_cast<std::int32_t>(whole(words[n + d]));
   for (std::size_t k = 0; k < 2 && style_->neighbours; ++k)
@@ -291,7 +296,8 @@ std::vector<std::pair<std::vector<int>, bool>> DataFile::chains() const {
   return chains;
 }
 
-CentreLine DataFile::lineThrough(const std::vector<int>& chain, bool closed, const Box& box) const {
+CentreLine DataFile::lineThrough(const std::vector<int>& chain, bool closed, const Box& box,
+                                 int& otherwise) const {
   const MinimumImage nearest(box);
   auto atom = [&](std::size_t k) -> const Atom& {
     return atoms_[static_cast<std::size_t>(chain[k % chain.size()])];
@@ -306,7 +312,8 @@ CentreLine DataFile::lineThrough(const std::vector<int>& chain, bool closed, con
   for (std::size_t k = 0; k < chain.size(); ++k) {
     line.points.push_back(x);
     if (k + 1 == chain.size() && !closed) break;
-    const Vec3d way = nearest(placed(atom(k + 1)) - placed(atom(k)));
+    const Vec3d said = placed(atom(k + 1)) - placed(atom(k)), way = nearest(said);
+    if (flagged_ && !closed && norm(said - way) > 1e-6 * norm(said)) ++otherwise;
     if (norm(way) == 0)
       fail(atom(k + 1).line,
            format("the atoms %lld and %lld, which are tied, lie at one place",
@@ -377,8 +384,9 @@ std::unique_ptr<Scene> makeLammpsScene(Options& options, const SceneContext& con
   const std::vector<int> ofTypes = kindsOfTypes(context.kinds, names, file.types());
   std::vector<CentreLine> lines;
   std::vector<int> kinds;
+  int otherwise = 0;
   for (const auto& [chain, closed] : file.chains()) {
-    lines.push_back(file.lineThrough(chain, closed, box));
+    lines.push_back(file.lineThrough(chain, closed, box, otherwise));
     kinds.push_back(file.kindOf(chain, ofTypes));
   }
   Laying laying{"lammps",
@@ -389,6 +397,12 @@ std::unique_ptr<Scene> makeLammpsScene(Options& options, const SceneContext& con
     laying.space = box.length(0) * box.length(1) * box.length(2);
   laying.shaped = shaped;
   laying.file = name;
+  if (otherwise > 0)
+    laying.warning = format(
+        "%d bonds lead to the nearest images of their atoms, as in LAMMPS, and by their image "
+        "flags "
+        "elsewhere; if those are longer than half the box, open it (-lammps_periodic 0,0,0)",
+        otherwise);
   return layScene(context, layOnCentreLines(std::move(laying), lines));
 }
 

@@ -13,7 +13,8 @@ const std::string pressed =
     "-walls floor,lid,ball -floor_point 0,0,-25 -floor_axis 0,0,1 -floor_modulus 20 "
     "-floor_friction 0.4 -lid_point 0,0,25 -lid_axis 0,0,-1 -lid_modulus 20 -lid_force 0,0,-2 "
     "-lid_mass 200000 -lid_drag 100 -lid_friction 0.2 -ball_shape sphere -ball_point 0,0,80 "
-    "-ball_radius 60 -ball_velocity 0,0,-0.004 -ball_spin 1e-4 -ball_modulus 20 -ball_friction 0.3 "
+    "-ball_radius 60 -ball_velocity 0,0,-0.004 -ball_spin 1e-4 -ball_axis 0,0,1 -ball_modulus 20 "
+    "-ball_friction 0.3 "
     "-ball_restitution 0.7 -damping_local 0.1 -ts_dt 8 -progress_interval 0 ";
 
 std::string options(int steps, const std::string& more) {

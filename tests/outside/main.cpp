@@ -28,6 +28,17 @@ static void runWeave() {
                 sums[0], sums[1], run.energies().elastic());
 }
 
+static void runOnAFloor() {
+  Run run(MPI_COMM_WORLD,
+          {"-scene", "fibre", "-fibre_segments", "8", "-pair", "none", "-walls", "floor",
+           "-floor_point", "0,0,-6.5", "-floor_axis", "0,0,1", "-floor_modulus", "20",
+           "-ts_max_steps", "10", "-progress_interval", "0"});
+  run.run();
+  int rank;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank == 0) std::printf("floor %.17g %.17g\n", run.energies().total(), run.energies().walls);
+}
+
 static void runNonsense() {
   try {
     const Run run(MPI_COMM_WORLD, {"-scene", "weave", "-weave_fibers", "4,4"});
@@ -44,6 +55,7 @@ int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   runWeave();
   runWeave();
+  runOnAFloor();
   runNonsense();
   MPI_Finalize();
 }

@@ -16,6 +16,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "scripts
 from support import FolderTest  # noqa: E402
 
 PROJECT = pathlib.Path(__file__).resolve().parent
+FLOOR = ("-scene fibre -fibre_segments 8 -pair none -walls floor -floor_point 0,0,-6.5 -floor_axis"
+         " 0,0,1 -floor_modulus 20 -ts_max_steps 10 -progress_interval 0")
 SCENE = ("-scene weave -weave_fibres 4,4 -weave_segments 20 -damping_local 0.4"
          " -ts_max_steps 50 -progress_interval 0")
 
@@ -60,6 +62,15 @@ class Installed(FolderTest):
             expected = file["state/position"][:, 2].sum()
         for *_, heights, _ in results:
             self.assertAlmostEqual(float(heights), expected, delta=1e-6)
+        self.call(self.prefix / "bin/nanoweft", *FLOOR.split(), "-energy_monitor",
+                  "ascii:floor.csv")
+        with open(self.path("floor.csv")) as file:
+            last = list(csv.DictReader(line for line in file if not line.startswith("#")))[-1]
+        total, walls = next(line.split()[1:] for line in printed.splitlines()
+                            if line.startswith("floor"))
+        self.assertGreater(float(walls), 0)
+        self.assertAlmostEqual(float(walls) / float(last["walls"]), 1, delta=1e-9)
+        self.assertAlmostEqual(float(total) / float(last["total"]), 1, delta=1e-9)
         self.assertNotIn("energies before the run", printed)
         self.assertIn("refused", printed)
         self.assertIn("-weave_fibers", printed)

@@ -87,8 +87,8 @@ TEST(GageStress, InclinedFibre) {
   const Folder folder;
   const auto csv = pull(folder,
                         "-scene fibre -fibre_segments 30 -fibre_direction 6,2,3 -fibre_strain 0.01 "
-                        "-pair none -tension_grip 40 -tension_width 20 -tension_thickness 10 "
-                        "-ts_max_steps 0",
+                        "-pair none -tension_rate 2e-7 -tension_grip 40 -tension_width 20 "
+                        "-tension_thickness 10 -ts_max_steps 0",
                         2);
   const double scale = 0.01 * tube::ES / (d.x * 20 * 10 * gigapascal);
   const double dyad[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
@@ -103,7 +103,7 @@ TEST(GageStress, EndsOfThePiece) {
   const Folder folder;
   pull(folder,
        "-scene fibre -fibre_segments 30 -pair none -tension_ends 100,300 -tension_grip 40 "
-       "-tension_width 20 -ts_max_steps 0");
+       "-tension_width 20 -tension_rate 2e-7 -ts_max_steps 0");
   const auto position = readDataset(folder / "out.h5", "/state/position"),
              group = readDataset(folder / "out.h5", "/state/group");
   ASSERT_EQ(group.size(), 30u);
@@ -126,7 +126,7 @@ TEST(GageStress, TubesPressedTogether) {
   const auto csv =
       pull(folder,
            "-scene file -scene_file in.h5 -pair_points 3 -tension_grip 80 -tension_width 20 "
-           "-tension_thickness 10 -ts_max_steps 0");
+           "-tension_thickness 10 -tension_rate 2e-7 -ts_max_steps 0");
   double push = 0;
   const Quatd q = straightFibre({0, 0, 0}, {1, 0, 0}, 1).orientation[0];
   for (int k = -6; k <= 6; ++k)

@@ -310,6 +310,13 @@ TEST(Walls, ThatCannotBeMeantAreRefused) {
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_radius 3", {"-w_radius"}},
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_inside", {"-w_inside"}},
       {"-walls w -w_point 0,0,-90 -w_shape sphere -w_modulus 10", {"-w_radius"}},
+      {"-walls w -w_point 0,0,-90 -w_shape sphere -w_radius 9 -w_modulus 10 -w_friction 1 -w_spin "
+       "1e-5",
+       {"-walls w", "-w_axis"}},
+      {"-walls w -w_point 0,0,-90 -w_shape sphere -w_radius 9 -w_modulus 10 -w_axis 0,0,1",
+       {"-w_axis", "does not turn"}},
+      {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_spin 1e-5",
+       {"-w_spin", "-w_friction"}},
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_force 0,0,1", {"-w_mass"}},
       {"-walls w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10 -w_friction -1", {"-w_friction"}},
       {"-walls w,w -w_point 0,0,-20 -w_axis 0,0,1 -w_modulus 10", {"-walls", "twice"}},

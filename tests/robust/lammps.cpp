@@ -51,6 +51,18 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 const std::string start =
     "-scene lammps -lammps_file in.data -ts_max_steps 0 -state_output out.h5 ";
 
+TEST(Lammps, BondsThatGoElsewhereByTheirFlagsAreWarnedOf) {
+  const Folder folder;
+  const auto warned = [&](const std::string& text) {
+    writeText(folder / "in.data", text);
+    const Outcome outcome = run(folder, start + "-overwrite");
+    expectDone(outcome);
+    return says(outcome, "1 bonds lead to the nearest images");
+  };
+  EXPECT_TRUE(warned(row));  // of the last atom, which has flags of its own
+  EXPECT_FALSE(warned(replaced(row, "40 20 30 0 0 0", "40 20 30 1 0 0")));
+}
+
 TEST(Lammps, AFibreFollowsBondsThroughTheBoundary) {
   const Folder folder;
   writeText(folder / "in.data", row);

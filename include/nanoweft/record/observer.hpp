@@ -72,6 +72,7 @@ struct OutputContext {
   bool restart = false;
   std::int64_t step = -1;  ///< that a restart goes on from
   bool over = false;       ///< the restarted run was over
+  bool open = false;       ///< the box is periodic in no direction
 };
 
 class Observer {

@@ -73,6 +73,7 @@ struct Laying {
   std::optional<Box> box = {};  ///< empty: open, around all fibres
   double space = 0;             ///< volume of which they fill a fraction; 0: not stated
   std::string also = {};        ///< to be said besides
+  std::string warning = {};     ///< of what may have been meant otherwise
   bool shaped = false;
   std::string file = {};  ///< that it comes from
 };
