@@ -17,6 +17,7 @@ class EnergyWatch : public Observer {
   explicit EnergyWatch(const ObserverContext& context)
       : units_(context.units),
         alarm_(context.settings.energyAlarm),
+        booked_(context.boxDrive ? context.boxDrive.interval() : 1),
         thermostat_(context.settings.thermostat) {}
 
   void begin(const Moment& moment) override {
@@ -27,7 +28,8 @@ class EnergyWatch : public Observer {
           "the geometry");
   }
   View view(const Moment& moment) const override {
-    return isDue(moment, interval) ? View::energies : View::positions;
+    return isDue(moment, (interval + booked_ - 1) / booked_ * booked_) ? View::energies
+                                                                       : View::positions;
   }
   void observe(const Moment& moment) override;
 
@@ -42,6 +44,7 @@ class EnergyWatch : public Observer {
  private:
   const UnitSystem& units_;
   double alarm_;
+  long booked_;  ///< the accounts are whole every so many steps: a driven box books its work so
   std::optional<Thermostat> thermostat_;
   double began_ = 0;
   double available_ = 0;  ///< most energy so far that could turn into motion
@@ -51,7 +54,7 @@ void EnergyWatch::observe(const Moment& moment) {
   if (!moment.energies) return;
   const Energies &e = *moment.energies, &first = moment.first;
   if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
-  if (alarm_ == 0) return;
+  if (alarm_ == 0 || !isDue(moment, booked_)) return;
   // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
   // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
   // motion that made it is over; a thermostat makes new motion all the time. The last term keeps

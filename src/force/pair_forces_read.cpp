@@ -143,6 +143,12 @@ void readVdwRange(const PairReader& read, const GivenRange& common, VdwParameter
   const GivenRange given = readOwnRange(read, "vdw", common, {"4 lambda", "6 lambda"});
   p.switchFrom = given.from.value_or(read.touch() + 4.0 * p.length);
   p.cutoff = given.to.value_or(read.touch() + 6.0 * p.length);
+  const double least = 1e-3 * p.length;
+  if (const double gap = restOf(p) * p.length - read.touch(); read.is("vdw") && !(gap > least))
+    throw InputError(format(
+        "-vdw_a, -vdw_b, -vdw_alpha, -vdw_beta: surfaces would rest %.3g %s from each other; "
+        "at least %.3g",
+        gap, read.units.length, least));
   if (read.accuracy && !read.mixed() && read.is("vdw") && !given.from && !given.to)
     setRangeByAccuracy(*read.accuracy, restOf(p) * p.length, p);
   if (read.is("vdw") && p.cutoff <= p.switchFrom)

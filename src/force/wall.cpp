@@ -1,6 +1,7 @@
 #include "nanoweft/force/wall.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "nanoweft/base/error.hpp"
 
@@ -67,7 +68,8 @@ class WallReader {
       throw InputError("-walls " + name_ + ": give " + option("_axis") +
                        (w.shape == Wall::plane ? ", the normal towards the fibres" : ""));
     if (axis) {
-      if (!(norm(*axis) > 0)) throw InputError(option("_axis") + ": must not be zero");
+      if (!(norm(*axis) > 0 && std::isfinite(norm(*axis))))
+        throw InputError(option("_axis") + ": must not be zero, nor beyond all numbers");
       w.axis = (1.0 / norm(*axis)) * *axis;
     }
     const auto radius = s_.maybeReal(name_ + "_radius", "", "", "", positive);

@@ -34,7 +34,8 @@ void readSpin(Boundary& b, const std::optional<Vec3d>& axis) {
   if (!axis || !b.centre)
     throw InputError(format("-%s_spin: give -%s_axis and -%s_centre", name, name, name));
   const double size = norm(*axis);
-  if (!(size > 0)) throw InputError(format("-%s_axis: it has no direction", name));
+  if (!(size > 0 && std::isfinite(size)))
+    throw InputError(format("-%s_axis: it has no direction", name));
   b.axis = {axis->x / size, axis->y / size, axis->z / size};
   const double along[3] = {b.axis.x, b.axis.y, b.axis.z};
   for (std::size_t d = 0; d < 3; ++d)

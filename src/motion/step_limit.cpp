@@ -151,7 +151,7 @@ std::vector<double> randomDirection(const State& state) {
 /// is that of half a step earlier, so x'' = -w^2 x - t w^2 x' is stable up to 4 = 2 t w^2 dt + w^2
 /// dt^2.
 double withViscosity(double step, double t) {
-  return t > 0 ? std::sqrt(t * t + step * step) - t : step;
+  return t > 0 ? step * (step / (std::hypot(t, step) + t)) : step;
 }
 
 double slowest(const Kinds& kinds) {
@@ -182,7 +182,8 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
     eigenvalue = largestEigenvalue(diagonal, off);
     settled = std::abs(eigenvalue - previous) < 1e-4 * std::abs(eigenvalue) ? settled + 1 : 0;
     norm = std::sqrt(globalDot(next, next, ofSquare, state.comm()));
-    if (settled >= 4 || !(norm > 1e-9 * std::abs(eigenvalue))) break;
+    // A smaller norm is round-off of the sums: few segments have no more directions.
+    if (settled >= 4 || !(norm > 1e-6 * std::abs(eigenvalue))) break;
     q.swap(before);
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = next[j] / norm;
     off.push_back(norm);

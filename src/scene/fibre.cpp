@@ -118,7 +118,8 @@ std::unique_ptr<Scene> makeFibreScene(Options& options, const SceneContext& cont
                       "an arc by the options above, or the rest shape of its kind") == "rest";
   p.kind = readSceneKinds(s, "fibre_kind", context.kinds, 1)[0];
   if (use != SceneUse::start) return nullptr;
-  if (norm(p.direction) == 0) throw InputError("-fibre_direction: must not be zero");
+  if (!(norm(p.direction) > 0 && std::isfinite(norm(p.direction))))
+    throw InputError("-fibre_direction: must not be zero, nor beyond all numbers");
   if (p.atRest && (p.bend != 0 || p.twist != 0 || p.strain != 0))
     throw InputError("-fibre_shape rest: has no -fibre_bend, -fibre_twist or -fibre_strain");
   if (p.closed && p.segments < 3) throw InputError("-fibre_closed: needs three segments at least");

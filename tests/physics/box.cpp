@@ -104,6 +104,22 @@ TEST(Box, TheServoOfABoxMuchStifferThanItsModulusComesToRestAtItsStress) {
   }
 }
 
+TEST(Box, ItsWorkIsNoEnergyOutOfNothingBetweenMeasurements) {
+  // The end and the rows of the table lie between the steps at which the stress is measured.
+  const Folder folder;
+  const std::string strained =
+      "-scene fibre -fibre_segments 20 -fibre_closed -domain_lower 0,-100,-100 -domain_upper "
+      "271.2,100,100 -domain_periodic 1,0,0 -pair none -deform_x rate -deform_x_rate 1e-6 ";
+  auto outcome = run(folder, strained + "-ts_max_steps 10");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(folder, strained +
+                            "-ts_max_steps 500 -energy_monitor ascii:e.csv "
+                            "-monitor_interval 7 -checkpoint_file c.h5");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  outcome = run(folder, "-restart c.h5 -ts_max_steps 513 -overwrite");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+}
+
 TEST(Box, TheServoOfAStiffUndampedFilmMakesNoEnergy) {
   const Folder folder;
   const auto outcome =

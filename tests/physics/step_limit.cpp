@@ -356,6 +356,41 @@ TEST(StepLimit, OfWhatIsFarTooStiffIsRefused) {
       << outcome.output;
 }
 
+TEST(StepLimit, OfFewSegmentsIsTheSameInAllUnits) {
+  // Two segments have so few modes that the search for the highest one comes to an end.
+  const Folder folder;
+  for (const char* segments : {"2", "3"}) {
+    const std::string fibre = std::string("-scene fibre -fibre_segments ") + segments;
+    const double nano = printedLimit(folder, fibre);
+    const auto outcome =
+        run(folder, fibre + " -units si -scene_perturb 1e-14 -ts_dt 1e-15 -ts_max_steps 1");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const std::string words = "stable below ";
+    const auto at = outcome.output.find(words);
+    ASSERT_NE(at, std::string::npos) << outcome.output;
+    EXPECT_NEAR(1e15 * std::stod(outcome.output.substr(at + words.size())) / nano, 1, 2e-3)
+        << segments;
+  }
+}
+
+TEST(StepLimit, OfAViscosityWithALongTimeIsThatOfTheDashpots) {
+  // x'' = -w^2 x - t w^2 x' up to dt = 2/(t w^2), for w t without bound.
+  const Folder folder;
+  const std::string fibre = "-scene fibre -fibre_segments 20 -pair none ";
+  const double free = printedLimit(folder, fibre);
+  for (const double time : {1e4, 1e10}) {
+    char steps[96];
+    std::snprintf(steps, sizeof steps, "-fibre_retardation %.17g -ts_dt %.17g -ts_dt_unsafe", time,
+                  0.3 * free * free / time);
+    const auto outcome = run(folder, fibre + "-ts_max_steps 1 " + steps);
+    const std::string words = "stable below ";
+    const auto at = outcome.output.find(words);
+    ASSERT_NE(at, std::string::npos) << outcome.output;
+    EXPECT_NEAR(std::stod(outcome.output.substr(at + words.size())) / (0.5 * free * free / time), 1,
+                1e-3);
+  }
+}
+
 TEST(StepLimit, IsThatOfALightWallWhichAForceDrives) {
   // A lid presses a fibre on a floor. It is far lighter than what it touches, and bound to it by
   // (pi/4) E* T a segment.
