@@ -1,7 +1,5 @@
 #include "nanoweft/base/threads.hpp"
 
-#include <sched.h>
-
 #include <algorithm>
 #include <cstdlib>
 

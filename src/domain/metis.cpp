@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <limits>
 #include <numeric>
 #include <unordered_map>
@@ -180,7 +179,7 @@ class Graph {
     // METIS takes a SIGTERM that ends this run for its own: the run's handler has it, too, and
     // METIS begins again.
     if (status == METIS_ERROR) {
-      std::raise(SIGTERM);
+      ::raise(SIGTERM);
       status = attempt();
     }
     if (status != METIS_OK) part.clear();

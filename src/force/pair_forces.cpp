@@ -18,13 +18,10 @@ PairForces::PairForces(std::vector<Class> classes) : classes_(std::move(classes)
   for (Class& c : classes_) {
     c.widest = between(c.first, c.second) == c.force.get();
     // The first of those that reach as far.
-    const Class* farthest = &c;
-    for (const Class& other : classes_)
-      if (other.between(c.first, c.second) &&
-          (other.force->cutoff() > farthest->force->cutoff() ||
-           (other.force->cutoff() == farthest->force->cutoff() && &other < farthest)))
-        farthest = &other;
-    c.damps = farthest == &c;
+    auto cutoff = [&](const Class& other) {
+      return other.between(c.first, c.second) ? other.force->cutoff() : 0.0;
+    };
+    c.damps = &*std::ranges::max_element(classes_, {}, cutoff) == &c;
   }
 }
 
