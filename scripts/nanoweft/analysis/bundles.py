@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..generators import LENGTH
 from ..problems import Unusable
 from ..states import State, find_tubes
 
 Array = NDArray[Any]
 
 PARALLEL = 0.9   # |cosine| above which two segments run side by side
-TUBE = 6.78      # radius of the (10,10) tube, in A
 SLICE = 2.5      # half the thickness of a cross-section in segments: two neighbours to either side
 SIDES = {"left": (0, -1), "right": (0, 1), "bottom": (1, -1), "top": (1, 1)}
 # Sizes of bundles that are counted together.
@@ -31,10 +31,10 @@ def named(low: int, high: int | None) -> str:
 def usual_distance(state: State) -> float | None:
     """Distance between axes up to which fibres run side by side: 20 A for (10,10) tubes, and as
     large a gap for others of one radius; None where there is no telling."""
-    radii = set(state.kinds.radii) or {TUBE}
+    radii = set(state.kinds.radii) or {LENGTH / 2}
     if state.units != "nano" or len(radii) > 1:
         return None
-    return float(2 * radii.pop() + 20 - 2 * TUBE)
+    return float(2 * radii.pop() + 20 - LENGTH)
 
 
 class Fabric:

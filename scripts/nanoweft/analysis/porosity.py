@@ -50,13 +50,6 @@ def porosity(sample: Sample) -> Findings:
     return found
 
 
-def wide_along(sample: Sample, axis: int) -> Array:
-    """How far each piece's section reaches to either side along an axis [P]."""
-    pieces = sample.pieces
-    radius = sample.thickness[sample.kind[pieces.row]]
-    return np.asarray(radius * np.sqrt(np.maximum(1 - pieces.direction[:, axis]**2, 0)))
-
-
 def body_inside(sample: Sample, axes: tuple[int, ...]) -> Array:
     """Share of each piece's body within the region's limits along these axes [P]. Exact for one
     axis; for several the piece counts by quarters of its length, each by the product of its
@@ -66,7 +59,7 @@ def body_inside(sample: Sample, axes: tuple[int, ...]) -> Array:
     for k in axes:
         if k not in sample.settings.region or sample.wraps(k):
             continue
-        wide, half = wide_along(sample, k), np.abs(pieces.vector[:, k]) / 8
+        wide, half = sample.wide(k), np.abs(pieces.vector[:, k]) / 8
         for quarter in range(4):
             place = pieces.middle[:, k] + (quarter - 1.5) / 4 * pieces.vector[:, k]
             images = [0.0]
@@ -85,7 +78,7 @@ def profile(sample: Sample, weight: Array, edges: Array) -> Array:
     thickness. Exact for cylinders with flat ends."""
     axis, pieces = sample.settings.axis, sample.pieces
     weight = weight * body_inside(sample, tuple(k for k in range(3) if k != axis))
-    wide = wide_along(sample, axis)
+    wide = sample.wide(axis)
     half = 0.5 * np.abs(pieces.vector[:, axis])
     middle, images = pieces.middle[:, axis], [0.0]
     if sample.state.periodic[axis]:

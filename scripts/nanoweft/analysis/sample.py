@@ -195,9 +195,7 @@ class Sample:
             if k in self.settings.region:
                 lower[k], upper[k] = self.settings.region[k]
             elif not self.state.periodic[k]:
-                pieces = self.pieces
-                wide = self.thickness[self.kind[pieces.row]] * np.sqrt(
-                    np.maximum(1 - pieces.direction[:, k]**2, 0))
+                pieces, wide = self.pieces, self.wide(k)
                 ends = pieces.begin[:, k], pieces.begin[:, k] + pieces.vector[:, k]
                 lower[k] = (np.minimum(*ends) - wide).min()
                 upper[k] = (np.maximum(*ends) + wide).max()
@@ -206,6 +204,12 @@ class Sample:
             if not upper[k] > lower[k]:
                 raise Unusable(f"{self.name}: the region has no extent in {'xyz'[k]}")
         return lower, upper
+
+    def wide(self, axis: int) -> Array:
+        """How far each piece's section reaches to either side along an axis [P]."""
+        pieces = self.pieces
+        return np.asarray(self.thickness[self.kind[pieces.row]]
+                          * np.sqrt(np.maximum(1 - pieces.direction[:, axis]**2, 0)))
 
     def wraps(self, axis: int) -> bool:
         """Whether the region goes round the periodic box along this axis."""

@@ -53,9 +53,7 @@ def reaching(sample: Sample, axis: int) -> Array:
     pieces, (lower, upper) = sample.pieces, sample.region
     if axis not in sample.settings.region or sample.wraps(axis):
         return np.ones(len(pieces), bool)
-    radius = sample.thickness[sample.kind[pieces.row]]
-    reach = (0.5 * np.abs(pieces.vector[:, axis])
-             + radius * np.sqrt(np.maximum(1 - pieces.direction[:, axis]**2, 0)))
+    reach = 0.5 * np.abs(pieces.vector[:, axis]) + sample.wide(axis)
     apart = pieces.middle[:, axis] - 0.5 * (lower + upper)[axis]
     if sample.state.periodic[axis]:
         apart -= sample.box[axis] * np.round(apart / sample.box[axis])
