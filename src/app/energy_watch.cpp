@@ -17,15 +17,34 @@ class EnergyWatch : public Observer {
   explicit EnergyWatch(const ObserverContext& context)
       : units_(context.units),
         alarm_(context.settings.energyAlarm),
+        dt_(context.settings.dt),
         booked_(context.boxDrive ? context.boxDrive.interval() : 1),
         thermostat_(context.settings.thermostat) {}
 
   void begin(const Moment& moment) override {
-    began_ = moment.state().time;
+    requireSums(moment);
     if (!std::isfinite(moment.energies->balance()))
       throw RunError(
           "the energy of the first state is not a finite number: check the fibre's parameters and "
           "the geometry");
+    if (goesOn_) return;
+    const Energies& first = moment.first;
+    start_ = {first.balance(), first.elastic() + first.kinetic + first.rotational, first.external,
+              first.pair, moment.state().time};
+  }
+  void restore(const RunRecord& record) override {
+    // Whoever goes on with another step judges that one. Checkpoints of earlier programs lack the
+    // record.
+    const bool otherStep = dt_ && *dt_ != record.needReals("time_step", 1)[0];
+    if (otherStep || !record.reals.contains(name)) return;
+    const auto& r = record.needReals(name, 6);
+    start_ = {r[0], r[1], r[2], r[3], r[4]};
+    available_ = r[5];
+    goesOn_ = true;
+  }
+  void save(RunRecord& record) const override {
+    record.reals[name] = {start_.balance, start_.own,  start_.external,
+                          start_.pair,    start_.time, available_};
   }
   View view(const Moment& moment) const override {
     return isDue(moment, (interval + booked_ - 1) / booked_ * booked_) ? View::energies
@@ -37,34 +56,51 @@ class EnergyWatch : public Observer {
   /// velocity and spin, 2 gamma times a unit of time.
   double turnedOver(const Moment& moment) const {
     if (!thermostat_) return 0;
-    return 6.0 * thermostat_->thermal * thermostat_->damping * (moment.state().time - began_) *
+    return 6.0 * thermostat_->thermal * thermostat_->damping * (moment.state().time - start_.time) *
            static_cast<double>(moment.state().total());
   }
 
  private:
+  static constexpr const char* name = "energy_watch";
+
+  static void requireSums(const Moment& moment) {
+    const Energies& e = *moment.energies;
+    if (std::isfinite(e.pair) || !std::isfinite(e.elastic() + e.kinetic + e.rotational)) return;
+    throw RunError(format(
+        "at step %lld forces or energies of pairs have become larger than what is summed: fibres "
+        "lie deep in each other, or -damping_viscous or -contact_friction and its stiffness are "
+        "far too large for the pair forces",
+        static_cast<long long>(moment.state().step)));
+  }
+
   const UnitSystem& units_;
   double alarm_;
+  std::optional<double> dt_;
   long booked_;  ///< the accounts are whole every so many steps: a driven box books its work so
   std::optional<Thermostat> thermostat_;
-  double began_ = 0;
+  /// What the run started with: energy balance, elastic energy and that of motion, accounts, time.
+  struct {
+    double balance, own, external, pair, time;
+  } start_{};
+  bool goesOn_ = false;   ///< a restart that has what the run started with
   double available_ = 0;  ///< most energy so far that could turn into motion
 };
 
 void EnergyWatch::observe(const Moment& moment) {
   if (!moment.energies) return;
-  const Energies &e = *moment.energies, &first = moment.first;
+  const Energies& e = *moment.energies;
+  requireSums(moment);
   if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
   if (alarm_ == 0 || !isDue(moment, booked_)) return;
   // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
   // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
   // motion that made it is over; a thermostat makes new motion all the time. The last term keeps
   // round-off of a scene at rest from an alarm.
-  available_ = std::max(available_, first.elastic() + first.kinetic + first.rotational +
-                                        std::abs(e.external - first.external) +
-                                        std::abs(e.pair - first.pair) + turnedOver(moment) +
+  available_ = std::max(available_, start_.own + std::abs(e.external - start_.external) +
+                                        std::abs(e.pair - start_.pair) + turnedOver(moment) +
                                         1e-9 * moment.system.forces.kinds().energyScale() *
                                             static_cast<double>(moment.state().total()));
-  const double risen = e.balance() - first.balance();
+  const double risen = e.balance() - start_.balance;
   if (risen > alarm_ * available_)
     throwUnstable(moment, units_,
                   format(" and energy has risen by %.3g %s out of nothing", risen, units_.energy));

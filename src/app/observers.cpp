@@ -24,6 +24,7 @@ Observers makeObservers(Options& options, const ObserverContext& c) {
   // those that end the run.
   add(makeEnergyWatch(c));
   add(makeContactWatch(c));
+  add(makeFlowWatch(c));
   const bool rubs = c.pairs.rubs() || std::ranges::any_of(c.walls, [](const Wall& w) {
                       return static_cast<bool>(w.friction);
                     });

@@ -11,6 +11,7 @@
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/make_links.hpp"
+#include "nanoweft/force/pair_survey.hpp"
 #include "nanoweft/motion/breakage.hpp"
 #include "nanoweft/scene/start_check.hpp"
 #include "nanoweft/state/rest.hpp"
@@ -21,6 +22,9 @@ namespace {
 
 /// With fewer segments a thread waits longer for the others than it works.
 constexpr std::int64_t segmentsPerThread = 1500;
+
+/// Default time step over the stable one, and the most of that of fibres pressed together.
+constexpr double usualShare = 0.4, pressedShare = 0.8;
 
 /// For each kind eight numbers, as RunParts::fingerprint.
 std::vector<double> numbersOf(const Kinds& kinds) {
@@ -94,7 +98,11 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
   if (!plan->checkpoint && plan->settings.perturb > 0) perturb();
   goOn();
   share();
-  if (!plan->checkpoint && forces->pairs() && !plan->settings.allowOverlap) refuseOverlap();
+  if (!plan->checkpoint && forces->pairs()) {
+    const bool deep = plan->settings.allowOverlap || evaluatesOnly();
+    if (!plan->settings.allowOverlap) refuseOverlap();
+    if (deep) refuseLargeSums();
+  }
   if (!plan->checkpoint && forces->walls() && !evaluatesOnly() && !plan->settings.startUnchecked)
     refuseInWalls();
   chooseStep();
@@ -286,6 +294,15 @@ void RunParts::refuseOverlap() const {
       c.index[1], c.distance, units.length, c.sensible, units.length));
 }
 
+void RunParts::refuseLargeSums() const {
+  const StrongestSum s = findStrongestSum(*state, *forces);
+  if (s.share < 1.0) return;
+  throw InputError(format(
+      "fibres overlap so much that the pair forces on fibre %lld segment %d are beyond what is "
+      "summed, four times that of two segments deep in each other; move them apart",
+      static_cast<long long>(s.fibre), s.index));
+}
+
 void RunParts::refuseInWalls() const {
   // Deeper than a radius, the fibre's axis is inside the wall.
   const WallForces::Depth d = forces->walls().deepest(*state, forces->nearest());
@@ -301,9 +318,9 @@ double RunParts::defaultTimeStep() {
   // Where nothing is held at the start, bonds and contacts may come.
   double stable = chainStepLimit(plan->kinds);
   if (std::isfinite(limits.present) && limits.present > 0) stable = limits.present;
-  // While a minimiser runs, fibres that were apart may be pressed together.
-  if (plan->minimises())
-    return adaptedShare * std::min(stable, bundleStepLimit(plan->kinds, forces->pairs()));
+  // Fibres that are apart may be pressed together later.
+  const double pressed = bundleStepLimit(plan->kinds, forces->pairs());
+  if (plan->minimises()) return adaptedShare * std::min(stable, pressed);
   // The shortest of the presets' steps, when all kinds have one.
   double usual = std::numeric_limits<double>::infinity();
   for (const Fibre& f : plan->kinds) usual = std::min(usual, f.step);
@@ -311,8 +328,9 @@ double RunParts::defaultTimeStep() {
   // A restart keeps the step that was chosen at the start.
   if (plan->checkpoint && plan->checkpoint->run.reals.contains("default_step"))
     return *(defaultStep = plan->checkpoint->run.needReals("default_step", 1)[0]);
-  if (!evaluatesOnly()) defaultStep = 0.4 * stable;
-  return 0.4 * stable;
+  const double step = std::min(usualShare * stable, pressedShare * pressed);
+  if (!evaluatesOnly()) defaultStep = step;
+  return step;
 }
 
 void RunParts::chooseStep() {

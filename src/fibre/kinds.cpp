@@ -1,6 +1,7 @@
 #include "nanoweft/fibre/kinds.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -56,6 +57,10 @@ double Kinds::thickest() const {
 }
 double Kinds::forceScale() const {
   return largest(*this, [](const Fibre& f) { return f.bond.stretch * f.length; });
+}
+double Kinds::speedOfSound() const {
+  return largest(*this,
+                 [](const Fibre& f) { return f.length * std::sqrt(f.bond.stretch / f.mass); });
 }
 double Kinds::energyScale() const {
   return largest(*this, [](const Fibre& f) { return f.bond.stretch * f.length * f.length; });

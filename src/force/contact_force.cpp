@@ -7,6 +7,7 @@
 #include "nanoweft/force/contact_history.hpp"
 #include "nanoweft/force/gather.hpp"
 #include "nanoweft/force/overlap.hpp"
+#include "nanoweft/force/viscous_sum.hpp"
 
 namespace nanoweft {
 
@@ -85,7 +86,7 @@ class ContactSum {
     if (job_.breakage && endsChanged(used)) release(r, ei, ej, contact.energy, used);
     if (job_.viscousSum && job_.viscous)
       for (int k = 0; k < used; ++k)
-        if (contact.energy[static_cast<std::size_t>(k)] > 0) dampen(i_[k], j_[k]);
+        if (contact.energy[static_cast<std::size_t>(k)] > 0) addDamping(job_, i_[k], j_[k], tally_);
     if (job_.friction && laws_.friction)
       for (int k = 0; k < used; ++k) rub(i_[k], j_[k]);
     tally_.resolved += used;
@@ -112,25 +113,6 @@ class ContactSum {
     for (int k = 0; k < used; ++k)
       if (const auto lane = static_cast<std::size_t>(k); job_.mine(i_[k]))
         tally_.released.add(before[lane] - energy[lane], tally_.energyUnit);
-  }
-
-  /// Viscous damping of two segments that touch (model.md 5).
-  void dampen(std::int32_t i, std::int32_t j) {
-    for (int c = 0; c < 3; ++c) {
-      const auto f =
-          std::llrint(job_.viscous.linear * (job_.velocity[3 * j + c] - job_.velocity[3 * i + c]) /
-                      laws_.force);
-      const auto t =
-          std::llrint(job_.viscous.angular * (job_.angular[3 * j + c] - job_.angular[3 * i + c]) /
-                      laws_.torque);
-      auto add = [&](std::int32_t k, std::int64_t sign) {
-        if (!job_.mine(k)) return;
-        job_.viscousSum[6 * k + c] += sign * f;
-        job_.viscousSum[6 * k + 3 + c] += sign * t;
-      };
-      add(i, 1);
-      add(j, -1);
-    }
   }
 
   /// Friction between two segments.
@@ -163,8 +145,8 @@ class ContactSum {
                    turn[3] = {torque.x, torque.y, torque.z};
       for (int c = 0; c < 3; ++c) {
         job_.viscousSum[6 * k + c] +=
-            static_cast<std::int64_t>(sign) * std::llrint(force[c] / laws_.force);
-        job_.viscousSum[6 * k + 3 + c] += std::llrint(turn[c] / laws_.torque);
+            static_cast<std::int64_t>(sign) * wholeUnits(force[c], job_.viscousUnits.force, tally_);
+        job_.viscousSum[6 * k + 3 + c] += wholeUnits(turn[c], job_.viscousUnits.torque, tally_);
       }
     };
     add(i, 1.0, action.torqueI);

@@ -21,9 +21,10 @@ double usualModulus(const Fibre& a, const Fibre& b) {
 
 FrictionLaw readFriction(const PairReader& read, OptionSection& s) {
   FrictionLaw law;
-  law.mu = s.real("contact_friction", 0.0, "", "coefficient of friction", nonNegative);
-  law.tangential = s.real("contact_tangential", 2.0 / 7.0, "",
-                          "stiffness of a contact along the surfaces over that across", positive);
+  law.mu = s.real("contact_friction", 0.0, "", "coefficient of friction", coefficientBounds);
+  law.tangential =
+      s.real("contact_tangential", 2.0 / 7.0, "",
+             "stiffness of a contact along the surfaces over that across", tangentialBounds);
   law.restitution = s.real(
       "contact_restitution", 1.0, "",
       "speed after a collision of two segments over that before it; 1: not damped", {0.0, 1.0});

@@ -48,6 +48,24 @@ struct ForceField::Tallies {
   }
 };
 
+namespace {
+
+/// Units in which damping may be as strong as it is at twice the speed of sound in the fibres, for
+/// eight partners, and friction as strong as pair forces.
+ForceUnits unitsOfViscousSums(const ForceField::Settings& settings) {
+  const double speed = 2.0 * settings.kinds.speedOfSound();
+  double force = settings.pairs.largestForce();
+  for (const PairForces::Class& c : settings.pairs.classes()) {
+    const ViscousDamping damping = settings.viscous.between(*c.force);
+    const double spin = speed / settings.kinds.shortest();
+    force = std::max(
+        {force, damping.linear * speed, damping.angular * spin / settings.kinds.longest()});
+  }
+  return ForceUnits::holding(force, settings.kinds.longest());
+}
+
+}  // namespace
+
 ForceField::ForceField(Settings settings, const Box& box)
     : settings_(std::move(settings)),
       nearest_(box),
@@ -60,7 +78,9 @@ ForceField::ForceField(Settings settings, const Box& box)
       bondEvent_(logEvent("NwBonds")),
       pairEvent_(logEvent("NwPairs")),
       haloEvent_(logEvent("NwHalo")),
-      walls_(settings_.walls, settings_.kinds) {}
+      walls_(settings_.walls, settings_.kinds) {
+  if (settings_.pairs) viscousUnits_ = unitsOfViscousSums(settings_);
+}
 
 void ForceField::rebuild(State& state, Domain& domain) {
   const LogScope log(rebuildEvent_);
@@ -96,6 +116,7 @@ PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous
     job.velocity = state.velocity;
     job.angular = state.angular;
     job.viscousSum = viscousSums_.data();
+    job.viscousUnits = viscousUnits_;
   }
   return job;
 }
@@ -256,7 +277,9 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   if (viscous && state.extras().friction) endContacts(state, halo);
   // An evaluation that draws spends about a fifth of its time on drawing.
   lists_.noteEvaluation(tallies.margin > 0 ? 0.2 * (MPI_Wtime() - begin - tallies.waited) : 0.0);
-  return tallies.sum();
+  ForceOutcome outcome = tallies.sum();
+  if (beyondSums_) outcome.pair.poison();
+  return outcome;
 }
 
 void ForceField::notePairs(const Tallies& tallies) {
@@ -264,14 +287,17 @@ void ForceField::notePairs(const Tallies& tallies) {
   for (const PairTally& t : tallies.pairs) {
     resolved_ += t.resolved;
     pointPairs += t.pointPairs;
+    if (t.beyondSums) beyondSums_ = true;
   }
   PetscLogFlops(60.0 * static_cast<double>(pointPairs));  // an estimate, without loads and stores
 }
 
 void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
   const double forceUnit = settings_.pairs.forceUnit(), torqueUnit = settings_.pairs.torqueUnit();
+  std::int64_t edge = 0;
   for (std::int32_t i = begin; i < end; ++i) {
     ForceSum& sum = sums_[static_cast<std::size_t>(i)];
+    edge |= atEdge(sum.at);
     for (int c = 0; c < 3; ++c) {
       state.force[3 * i + c] += forceUnit * static_cast<double>(sum.at[c]);
       state.torque[3 * i + c] += torqueUnit * static_cast<double>(sum.at[3 + c]);
@@ -279,6 +305,7 @@ void ForceField::handOver(State& state, std::int32_t begin, std::int32_t end) {
     // The next evaluation needs a zero record, and this one is in the cache now.
     sum = {};
   }
+  if (edge < 0) beyondSums_ = true;
 }
 
 void ForceField::startViscous(const State& state, Share share) {
@@ -310,13 +337,16 @@ void ForceField::addWalls(State& state, Tallies& tallies) {
 }
 
 void ForceField::handOverViscous(State& state, Share share) {
-  const double forceUnit = settings_.pairs.forceUnit(), torqueUnit = settings_.pairs.torqueUnit();
-  for (std::int32_t i = share.begin; i < share.end; ++i)
+  std::int64_t edge = 0;
+  for (std::int32_t i = share.begin; i < share.end; ++i) {
+    edge |= atEdge(viscousSums_.data() + 6 * static_cast<std::size_t>(i));
     for (int c = 0; c < 3; ++c) {
       const auto k = static_cast<std::size_t>(6 * i + c);
-      state.viscous[k] += forceUnit * static_cast<double>(viscousSums_[k]);
-      state.viscous[k + 3] += torqueUnit * static_cast<double>(viscousSums_[k + 3]);
+      state.viscous[k] += viscousUnits_.force * static_cast<double>(viscousSums_[k]);
+      state.viscous[k + 3] += viscousUnits_.torque * static_cast<double>(viscousSums_[k + 3]);
     }
+  }
+  if (edge < 0) beyondSums_ = true;
 }
 
 ForcePass::ForcePass(ForceField& forces, State& state, Purpose purpose)
@@ -338,41 +368,6 @@ void ForcePass::moved(std::size_t thread, std::int32_t end) {
   forces_.lists_.bonds().addUpTo(state_, {forces_.settings_.kinds, forces_.nearest_, false, true},
                                  static_cast<int>(thread), forces_.shares()[thread], end,
                                  forces_.followed_[thread]);
-}
-
-ClosestPair findClosestPair(const State& state, const ForceField& forces,
-                            const std::function<double(const PairForce&)>& least) {
-  ClosestPair closest{std::numeric_limits<double>::infinity(), 1, 0, {0, 0}, {0, 0}};
-  double smallest = closest.distance;
-  for (std::size_t c = 0; c < forces.pairs().classes().size(); ++c) {
-    const PairForce& force = *forces.pairs().classes()[c].force;
-    const Both<double> half = force.pointSpan();
-    const double unit = least(force), span = half.i + half.j;
-    if (!(unit > 0)) continue;
-    for (const auto& thread : forces.lists().pairs()[c].threads())
-      for (const auto* list : {&thread.inner, &thread.outer})
-        list->forEach([&](const ListPair& p) {
-          const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
-          // No points of the pair are closer than this.
-          if (norm(separation) - span >= smallest * unit) return;
-          const double distance =
-              force.closest(separation, state.orientation(p.i), state.orientation(p.j));
-          if (distance >= smallest * unit) return;
-          smallest = distance / unit;
-          closest = {distance,
-                     unit,
-                     force.closestSensible(),
-                     {state.fibre[p.i], state.fibre[p.j]},
-                     {state.chain[2 * p.i], state.chain[2 * p.j]}};
-        });
-  }
-  struct {
-    double distance;
-    int rank;
-  } best{smallest, state.rank()};
-  MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MINLOC, state.comm());
-  MPI_Bcast(&closest, sizeof closest, MPI_BYTE, best.rank, state.comm());
-  return closest;
 }
 
 }  // namespace nanoweft

@@ -194,10 +194,14 @@ ViscousDamping ViscousDamping::between(const PairForce& force) const {
   return {linear * lengths, angular * lengths};
 }
 
+ForceUnits ForceUnits::holding(double largest, double length) {
+  const double force = std::ldexp(1.0, std::ilogb(largest) + 4 - 63);
+  return {force, std::ldexp(force, std::ilogb(length))};
+}
+
 void PairForce::setUnits(double largest, double length) {
-  // A sum of eight full overlaps still fits into 63 bits.
-  forceUnit_ = std::ldexp(1.0, std::ilogb(largest) + 4 - 63);
-  torqueUnit_ = std::ldexp(forceUnit_, std::ilogb(length));
+  const auto [force, torque] = ForceUnits::holding(largest, length);
+  forceUnit_ = force, torqueUnit_ = torque;
 }
 
 Both<double> PairForce::pointSpan() const {

@@ -9,12 +9,10 @@ PairForces::PairForces(std::unique_ptr<PairForce> only) {
 }
 
 PairForces::PairForces(std::vector<Class> classes) : classes_(std::move(classes)) {
-  double largest = 0, length = 0;
-  for (const Class& c : classes_) {
-    largest = std::max(largest, c.force->largestForce());
+  double length = 0;
+  for (const Class& c : classes_)
     length = std::max({length, c.force->length().i, c.force->length().j});
-  }
-  for (const Class& c : classes_) c.force->setUnits(largest, length);
+  for (const Class& c : classes_) c.force->setUnits(largestForce(), length);
   for (Class& c : classes_) {
     c.widest = between(c.first, c.second) == c.force.get();
     // The first of those that reach as far.
@@ -56,6 +54,12 @@ double PairForces::reach() const {
   double farthest = 0;
   for (const Class& c : classes_) farthest = std::max(farthest, c.force->reach());
   return farthest;
+}
+
+double PairForces::largestForce() const {
+  double largest = 0;
+  for (const Class& c : classes_) largest = std::max(largest, c.force->largestForce());
+  return largest;
 }
 
 int PairForces::exclude() const {

@@ -125,7 +125,7 @@ class WallReader {
       w.modulus.push_back(modulus ? *modulus * units_.gigapascal
                                   : f.transverse / (1.0 - f.poisson * f.poisson));
     }
-    w.friction.mu = real("_friction", 0.0, nonNegative);
+    w.friction.mu = real("_friction", 0.0, coefficientBounds);
     w.friction.restitution = real("_restitution", 1.0, {0.0, 1.0});
     if (w.spin != 0 && w.friction.mu == 0)
       throw InputError(option("_spin") + ": not used by this run: a wall without " +

@@ -194,6 +194,25 @@ TEST(PlasticFlow, AWireThatIsStretchedTooFarStaysLonger) {
   }
 }
 
+TEST(PlasticFlow, ABondThatHasFlowedTooFarIsReported) {
+  for (const auto& [strain, reported] : {std::pair{0.4, false}, std::pair{0.6, true}})
+    for (const int ranks : {1, 2}) {
+      const Folder folder;
+      FibreInput fibre = straightFibre({0, 0, 0}, {1, 0, 0}, 3);
+      fibre.position[2].x += tube::length * strain;
+      writeState(folder / "in.h5", {straightFibre({0, 500, 0}, {1, 0, 0}, 3), fibre});
+      const auto outcome = run(folder,
+                               "-scene file -scene_file in.h5 -start_unchecked -pair none "
+                               "-fibre_yield_strain 0.02 -ts_dt 10 -ts_max_steps 100",
+                               ranks);
+      ASSERT_EQ(outcome.status, 0) << outcome.output;
+      EXPECT_EQ(
+          outcome.output.find("fibre 1 flows, and its bond behind segment 1") != std::string::npos,
+          reported)
+          << outcome.output;
+    }
+}
+
 TEST(PlasticFlow, AFibreThatIsCurvedAtRestFlowsFromThatShape) {
   const Folder folder;
   const double rest = 0.005 * tube::length, yield = 0.002 * tube::length;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nanoweft/base/hdf5.hpp"
 #include "nanoweft/base/units.hpp"
 #include "support/formulas.hpp"
 #include "support/program.hpp"
@@ -226,6 +227,29 @@ TEST(StepLimit, EnergyOutOfNothingEndsARunBeforeDisplacementsDo) {
   EXPECT_GT(unstableStep(alarmed), 0) << alarmed.output;
   EXPECT_LT(unstableStep(alarmed), unstableStep(silent));
   EXPECT_NE(alarmed.output.find("energy has risen"), std::string::npos) << alarmed.output;
+}
+
+TEST(StepLimit, TheEnergyAlarmGoesOnInARestart) {
+  const Folder folder;
+  const std::string options =
+      pushedTogether(folder) + "-ts_dt 20 -overwrite -checkpoint_file c.h5 -ts_max_steps ";
+  auto watch = [&](const std::string& what) {
+    const auto outcome = run(folder, what);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    const h5::Handle file(H5Fopen((folder / "c.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
+                          H5Fclose),
+        record(H5Gopen2(file, "/run", H5P_DEFAULT), H5Gclose);
+    return h5::readReals(record, "energy_watch").value_or(std::vector<double>());
+  };
+  const auto whole = watch(options + "600");
+  watch(options + "300");
+  ASSERT_EQ(whole.size(), 6u);
+  EXPECT_EQ(watch("-restart c.h5 -checkpoint_file c.h5 -ts_max_steps 600"), whole);
+  // Whoever goes on with another step judges that one from there.
+  watch(options + "300");
+  const auto anew = watch("-restart c.h5 -checkpoint_file c.h5 -ts_dt 10 -ts_max_steps 600");
+  EXPECT_NEAR(anew.at(4), 300 * 20, 1e-9);
+  EXPECT_NEAR(whole.at(4), 0, 1e-9);
 }
 
 TEST(StepLimit, SamePushIsStableWithTheStepForPressedTubes) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <numbers>
 
@@ -459,6 +460,41 @@ TEST(Starts, TheDeepestOverlapIsFoundWhateverStandsBeforeIt) {
   for (const int ranks : {1, 2, 4})
     expectRefused(run(folder, "-scene file -scene_file in.h5 -ts_max_steps 1", ranks),
                   {"fibre 2 segment 7", "fibre 3 segment 0"});
+}
+
+TEST(Starts, SumsOfForcesThatNoIntegerHoldsAreRefused) {
+  // All fibres of a bundle within each other: those at its rim are pushed by all others.
+  const Folder folder;
+  for (const int ranks : {1, 2})
+    expectRefused(run(folder,
+                      "-scene bundle -bundle_fibres 37 -bundle_segments 6 -bundle_gap 0.5 "
+                      "-pair hertz -pair_allow_overlap -start_unchecked -ts_max_steps 0 "
+                      "-state_output out.h5",
+                      ranks),
+                  {"fibres overlap so much", "fibre 22 segment 0"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
+}
+
+TEST(Starts, ForcesThatGetBeyondTheirSumsEndTheRun) {
+  // Dampers that turn every motion round within a step, for segments that meet at speed.
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 0, 0}, 4), straightFibre({0, 0, 13.5}, {0, 1, 0}, 4)});
+  setMotion(
+      folder / "in.h5",
+      [](std::size_t i, const Vec3d&) {
+        return Vec3d{i < 4 ? 0.0 : 20.0, 0, 0};
+      },
+      [](std::size_t, const Vec3d&) { return Vec3d{}; });
+  const auto outcome =
+      run(folder,
+          start +
+              "-scene_file_edited -pair contact -contact_modulus 20 -damping_viscous 1e6 "
+              "-ts_dt 0.001 -ts_max_steps 2 -state_output out.h5",
+          2);
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_NE(outcome.output.find("larger than what is summed"), std::string::npos) << outcome.output;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
 }
 
 }  // namespace

@@ -213,6 +213,7 @@ Vec3d viscousForce(const PairForce& force, double distance, const Quatd& q) {
   job.angular = angular;
   job.viscousSum = viscous.data();
   job.viscous.linear = 1e-3;
+  job.viscousUnits = {force.forceUnit(), force.torqueUnit()};
   PairTally tally;
   force.add(job, false, tally);
   for (std::size_t c = 0; c < 6; ++c) EXPECT_EQ(viscous[c], -viscous[6 + c]);

@@ -39,6 +39,8 @@ Observers makeObservers(Options& options, const ObserverContext& context);
 std::unique_ptr<Observer> makeEnergyWatch(const ObserverContext& context);
 /// Warns once when fibres have run into each other.
 std::unique_ptr<Observer> makeContactWatch(const ObserverContext& context);
+/// Warns once when a bond has flowed so far that its segments no longer stand for the fibre there.
+std::unique_ptr<Observer> makeFlowWatch(const ObserverContext& context);
 /// -ts_limit_interval: estimates the stable step anew and warns once when the run's is beyond it.
 std::unique_ptr<Observer> makeStepWatch(const ObserverContext& context);
 /// -relax_tolerance: ends a run whose elastic energy does not change any more.

@@ -66,6 +66,7 @@ struct RunParts {
   void perturb();
   void refuseOverlap() const;
   /// Refuses a start with fibres inside walls.
+  void refuseLargeSums() const;
   void refuseInWalls() const;
   void chooseStep();
   double defaultTimeStep();

@@ -41,6 +41,9 @@ class ExactSum {
     carry();
   }
 
+  /// Makes value() NaN from now on.
+  void poison() { poisoned_ = 1; }
+
   /// Adds a term of each lane: what add() of each would, in fewer operations.
   void merge(const class ExactLanes& lanes);
 

@@ -1,6 +1,7 @@
 /// The force field: evaluates all forces of bonds and pairs, on all threads and ranks.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -16,9 +17,11 @@ namespace nanoweft {
 
 /// What one evaluation found on this rank. The observers that report sums add them over the ranks.
 struct ForceOutcome {
-  ExactSum stretch, shear, bending, torsion, pair;  ///< when energies were asked for
-  ExactSum released;                                ///< energy of bonds that broke
-  ExactSum wall;                                    ///< energy of contacts with walls
+  /// When energies were asked for. That of pairs is no number from where pair forces or viscous
+  /// forces got too large for their sums.
+  ExactSum stretch, shear, bending, torsion, pair;
+  ExactSum released;                 ///< energy of bonds that broke
+  ExactSum wall;                     ///< energy of contacts with walls
   ExactSum friction, external;       ///< work that friction took out, that walls put in
   ExactSum dragged;                  ///< the part of `external` that comes by friction
   std::vector<std::int64_t> broken;  ///< rows of the first segments of those bonds
@@ -128,10 +131,12 @@ class ForceField {
   SumUnit energyUnit_;
   ListKeeper lists_;
   LinkForces links_;
-  std::vector<BondTally> followed_;  ///< what the threads of a ForcePass found in their bonds
-  bool bondsKnown_ = false;          ///< a ForcePass has added the threads' own bonds already
-  bool owed_ = false;                ///< pair forces wait in sums_ for a ForcePass
+  std::vector<BondTally> followed_;       ///< what the threads of a ForcePass found in their bonds
+  bool bondsKnown_ = false;               ///< a ForcePass has added the threads' own bonds already
+  std::atomic<bool> beyondSums_ = false;  ///< sums of forces have been out of the integers' range
+  bool owed_ = false;                     ///< pair forces wait in sums_ for a ForcePass
   std::vector<ForceSum> sums_;
+  ForceUnits viscousUnits_;
   std::vector<std::int64_t> viscousSums_;  ///< [6] a segment
   std::int64_t resolved_ = 0;
   PetscLogEvent rebuildEvent_, bondEvent_, pairEvent_, haloEvent_;
@@ -168,18 +173,5 @@ class ForcePass {
   State& state_;
   bool owed_;
 };
-
-/// Of all listed pairs, that whose points come closest, measured by the least distance which their
-/// kinds may have.
-struct ClosestPair {
-  double distance;  ///< of two points
-  double least;     ///< that they may have
-  double sensible;  ///< below which the fibres have passed through each other
-  std::int64_t fibre[2];
-  std::int32_t index[2];
-};
-/// `least(pair force)`: the least distance that points may have. Collective.
-ClosestPair findClosestPair(const State& state, const ForceField& forces,
-                            const std::function<double(const PairForce&)>& least);
 
 }  // namespace nanoweft

@@ -15,10 +15,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "nanoweft/base/options.hpp"
 #include "nanoweft/fibre/bond_viscosity.hpp"
 #include "nanoweft/force/contact.hpp"
 
 namespace nanoweft {
+
+/// Far beyond what surfaces have: more stands for a slip of the pen.
+inline constexpr Bounds coefficientBounds{0.0, 1e3}, tangentialBounds{0.0, 1e3, true};
 
 struct FrictionLaw {
   double mu = 0;

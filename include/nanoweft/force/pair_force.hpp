@@ -49,6 +49,13 @@ struct ViscousDamping {
   ViscousDamping between(const PairForce& force) const;
 };
 
+/// Units of integer sums of forces and torques: powers of two.
+struct ForceUnits {
+  double force = 1, torque = 1;
+  /// Those whose sums hold eight forces of size `largest` on segments up to `length` long.
+  static ForceUnits holding(double largest, double length);
+};
+
 /// One thread's share of the pair sum. The thread adds forces to its segments begin <= k < end
 /// alone. The sums are integer multiples of the force's units, so their order does not matter.
 struct PairJob {
@@ -61,6 +68,7 @@ struct PairJob {
   const double* velocity = nullptr;
   const double* angular = nullptr;
   std::int64_t* viscousSum = nullptr;
+  ForceUnits viscousUnits;
   ViscousDamping viscous;
 
   // With friction only:
@@ -80,6 +88,7 @@ struct PairTally {
   std::int64_t resolved = 0;    ///< pairs that the kernel has resolved
   std::int64_t pointPairs = 0;  ///< point pairs in those
   ExactSum released;            ///< energy that contacts lost as ends got free
+  bool beyondSums = false;      ///< damping or friction was too large for the integer sums
 };
 
 /// Energy of a pair and the force on its first segment.

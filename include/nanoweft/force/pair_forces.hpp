@@ -49,6 +49,8 @@ class PairForces {
   bool keepsApart(int a, int b) const;
   /// The largest reach of all.
   double reach() const;
+  /// The largest force of all, a bound of |u'|.
+  double largestForce() const;
   /// The largest -pair_exclude.
   int exclude() const;
   double forceUnit() const { return classes_.empty() ? 1.0 : classes_[0].force->forceUnit(); }

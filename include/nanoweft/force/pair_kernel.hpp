@@ -11,6 +11,7 @@
 #include "nanoweft/force/pair_force.hpp"
 #include "nanoweft/force/pair_table.hpp"
 #include "nanoweft/force/sums.hpp"
+#include "nanoweft/force/viscous_sum.hpp"
 
 namespace nanoweft {
 
@@ -222,7 +223,7 @@ struct LaneRow {
 /// Not inlined, since it is seldom used and would take registers from the kernel.
 template <int N>
 [[gnu::noinline]] void addViscous(const PairJob& job, const KernelUnits& units,
-                                  const LaneRow<N>& row) {
+                                  const LaneRow<N>& row, PairTally& tally) {
   const auto shape = row.shape();
   Lanes closest2(std::numeric_limits<double>::infinity());
   const double cutoff = units.centres ? units.centres->cutoff() : units.cutoff;
@@ -235,21 +236,7 @@ template <int N>
   const unsigned touching = lanesBelow(closest2, cutoff * cutoff);
   for (int k = 0; k < laneCount; ++k) {
     if (!(touching >> k & 1) || !row.counts(k)) continue;
-    const std::int32_t i = row.group.first[k], j = row.j[k];
-    for (int c = 0; c < 3; ++c) {
-      const auto f = std::llrint(job.viscous.linear *
-                                 (job.velocity[3 * j + c] - job.velocity[3 * i + c]) / units.force);
-      const auto t = std::llrint(job.viscous.angular *
-                                 (job.angular[3 * j + c] - job.angular[3 * i + c]) / units.torque);
-      if (job.mine(i)) {
-        job.viscousSum[6 * i + c] += f;
-        job.viscousSum[6 * i + 3 + c] += t;
-      }
-      if (job.mine(j)) {
-        job.viscousSum[6 * j + c] -= f;
-        job.viscousSum[6 * j + 3 + c] -= t;
-      }
-    }
+    addDamping(job, row.group.first[k], row.j[k], tally);
   }
 }
 
@@ -328,7 +315,7 @@ class LaneSums {
         if (row.counts(k) && job_.mine(group_.first[k]))
           tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)],
                            tally.energyUnit);
-    if (job_.viscousSum) addViscous(job_, units, row);
+    if (job_.viscousSum) addViscous(job_, units, row, tally);
   }
 
   NW_INLINE void close() const { put(group_.first, total_); }
