@@ -379,7 +379,8 @@ void printDampingShare(const RunPlan& plan, const Energies& e) {
   const bool local = damping > 0;
   if ((!local && !plan.settings.viscous) || !(e.external > 0)) return;
   const double share = e.damped / e.external;
-  PetscPrintf(plan.comm, "damping took %.3g %% of the work of grips and loads\n", 100 * share);
+  PetscPrintf(plan.comm, "damping took %.3g %% of the work of grips and loads%s\n", 100 * share,
+              plan.boxDrive ? " and of what drives the box" : "");
   const bool moved =
       plan.boundaries.tension() ||
       std::ranges::any_of(plan.boundaries.list(), [](const Boundary& b) { return b.moves(); });

@@ -23,6 +23,9 @@ namespace {
 /// With fewer segments a thread waits longer for the others than it works.
 constexpr std::int64_t segmentsPerThread = 1500;
 
+/// Strain of a link at the start beyond which it is worth a warning.
+constexpr double noticedLinkStrain = 0.5;
+
 /// Default time step over the stable one, and the most of that of fibres pressed together.
 constexpr double usualShare = 0.4, pressedShare = 0.8;
 
@@ -103,6 +106,7 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
     if (!plan->settings.allowOverlap) refuseOverlap();
     if (deep) refuseLargeSums();
   }
+  if (!plan->checkpoint && state->linked) lookAtLinks();
   if (!plan->checkpoint && forces->walls() && !evaluatesOnly() && !plan->settings.startUnchecked)
     refuseInWalls();
   chooseStep();
@@ -301,6 +305,38 @@ void RunParts::refuseLargeSums() const {
       "fibres overlap so much that the pair forces on fibre %lld segment %d are beyond what is "
       "summed, four times that of two segments deep in each other; move them apart",
       static_cast<long long>(s.fibre), s.index));
+}
+
+void RunParts::lookAtLinks() {
+  const StateHeader* file = plan->scene->header();
+  // A run of this program has strained what it left.
+  if (!file || file->run.reals.contains("links")) return;
+  struct {
+    double strain;
+    int rank;
+  } worst{noticedLinkStrain, state->rank()};
+  struct {
+    long long fibre[2] = {0, 0};
+    int index[2] = {0, 0};
+    double length = 0, rest = 0;
+  } link;
+  for (std::size_t k = 0; k < state->links.size(); ++k) {
+    const Link& l = state->links[k];
+    if (l.broken || forces->links().ends(k)[0] >= state->owned()) continue;
+    const double length = norm(forces->links().resolve(*state, forces->nearest(), k).separation);
+    if (const double strain = std::abs(length / l.length - 1.0); strain > worst.strain) {
+      worst.strain = strain;
+      link = {{l.fibre[0], l.fibre[1]}, {l.index[0], l.index[1]}, length, l.length};
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, state->comm());
+  if (worst.strain == noticedLinkStrain) return;
+  MPI_Bcast(&link, sizeof link, MPI_BYTE, worst.rank, state->comm());
+  warnings.push_back(format(
+      "at the start, the link of fibre %lld segment %d to fibre %lld segment %d is %.4g %s long, "
+      "and %.4g at rest (link/rest_length)",
+      link.fibre[0], link.index[0], link.fibre[1], link.index[1], link.length, plan->units.length,
+      link.rest));
 }
 
 void RunParts::refuseInWalls() const {

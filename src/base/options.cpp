@@ -119,8 +119,11 @@ double parseReal(const std::string& name, const std::string& text) {
 
 long parseInteger(const std::string& name, const std::string& text, long lower, long upper) {
   const double real = parseReal(name, text);  // so that 1e6 may be written for a step count
-  if (real != std::floor(real) || std::abs(real) > 9e15)
+  if (real != std::floor(real))
     throw InputError(format("-%s '%s': expected a whole number", name.c_str(), text.c_str()));
+  if (std::abs(real) > 9e15)
+    throw InputError(
+        format("-%s %s: must be from %ld to %ld", name.c_str(), text.c_str(), lower, upper));
   const auto value = static_cast<long>(real);
   if (value < lower || value > upper)
     throw InputError(format("-%s %ld: must be from %ld to %ld", name.c_str(), value, lower, upper));

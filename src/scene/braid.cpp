@@ -94,7 +94,9 @@ std::unique_ptr<Scene> makeBraidScene(Options& options, const SceneContext& cont
         },
         0.01 * gap);
   };
-  const int points = static_cast<int>(1.2 * braid.lay / chord) + 3;
+  const int points =
+      pointsToLookAt(1.2 * braid.lay, chord, static_cast<double>(strands) * filaments,
+                     format("-braid_lay %g", braid.lay));
   const double scale = scaleToFit(
       [&](double trial) {
         std::vector<Line> lines;

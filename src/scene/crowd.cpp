@@ -100,6 +100,17 @@ double tightest(const std::vector<Line>& lines, const Clearance& clearance) {
   return least;
 }
 
+int pointsToLookAt(double length, double chord, double lines, const std::string& option) {
+  constexpr double most = 1e6;  // a minute
+  const double points = std::floor(length / chord) + 3;
+  if (lines * points > most)
+    throw InputError(
+        format("%s: a repeat of the pattern would have %.3g segments, too many to look "
+               "for overlaps; at most %g",
+               option.c_str(), lines * points, most));
+  return static_cast<int>(points);
+}
+
 double scaleToFit(const std::function<std::vector<Line>(double)>& make, const Clearance& clearance,
                   const std::string& option) {
   // Between a scale that is too small and one that is large enough.

@@ -110,6 +110,8 @@ class Fabric {
 /// Opens the sheet until no tows overlap, looking at one repeat of the pattern.
 void fit(Fabric& fabric, const FabricParameters& p, double chord) {
   const int filaments = p.filaments[0] * p.filaments[1], tows = p.repeat() + 1;
+  for (std::size_t d = 0; d < 2; ++d)
+    pointsToLookAt(tows * fabric.pitch(d), chord, 2.0 * tows * filaments, "-scene weave");
   auto make = [&](double scale) {
     fabric.setSwing(scale);
     std::vector<Line> lines;

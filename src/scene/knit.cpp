@@ -67,7 +67,7 @@ struct Knit {
 /// Makes it as deep as strands need, looking at two loops of three courses.
 void deepen(Knit& knit, double chord, const char* unit) {
   const std::string option = format("-knit_width %g", knit.width);
-  const int points = static_cast<int>(2.0 * knit.loopLength() / chord) + 3;
+  const int points = pointsToLookAt(2.0 * knit.loopLength(), chord, 3.0 * knit.filaments, option);
   auto three = [&](double scale) {
     knit.depth = 0.5 * scale * knit.thick;
     std::vector<Line> lines;

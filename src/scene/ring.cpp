@@ -59,6 +59,10 @@ std::unique_ptr<Scene> makeRingScene(Options& options, const SceneContext& conte
   auto mix = std::make_shared<KindMix>(s, "ring", context);
   const bool shaped = readShaped(s, "ring");
   if (use != SceneUse::start) return nullptr;
+  if (ring.windings == 1 && !ring.closed)
+    throw InputError(
+        "-ring_closed 0: with one winding both ends would be at one place; take -ring_windings 2, "
+        "or -scene fibre for an arc");
   mix->prepare(context);
   ring.length = mix->fibre(0).length;
   const double gap = mix->widest(), radius = ring.segments * ring.length / (twoPi * ring.windings);

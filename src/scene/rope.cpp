@@ -98,7 +98,8 @@ Rope layOut(const std::vector<int>& plies, const std::vector<double>& lays, cons
     if (outer.count == 1) continue;
     double longest = 0;
     for (const Level& level : rope.levels) longest = std::max(longest, std::abs(level.lay));
-    const int points = static_cast<int>(1.2 * longest / chord) + 3;
+    const int points = pointsToLookAt(1.2 * longest, chord, static_cast<double>(rope.fibres()),
+                                      format("-rope_lay %g", longest));
     const double spacing = outer.spacing;
     auto make = [&](double scale) {
       rope.levels.front().spacing = scale * spacing;

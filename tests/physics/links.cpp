@@ -106,6 +106,27 @@ TEST(LinksInABeam, ALadderIsTheShearLagBeam) {
   EXPECT_LT(before, 1.6 * loose * 2 * EJ / (2 * EJ + ES * 9 * T * T / 2));
 }
 
+TEST(LinksInABeam, ALinkFarFromItsRestIsReportedAtTheStart) {
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 0, 0}, 6), straightFibre({0, 20, 0}, {1, 0, 0}, 6)});
+  setLinks(folder / "in.h5", {{0, 1, 1, 1}, {0, 4, 1, 4}});
+  for (const auto& [rest, reported] : {std::pair{100.0, true}, std::pair{25.0, false}}) {
+    setDataset(folder / "in.h5", "/link/rest_length", {20, rest}, 1);
+    for (const int ranks : {1, 2}) {
+      const auto outcome = run(folder,
+                               "-scene file -scene_file in.h5 -scene_file_edited -pair none "
+                               "-link_law spring -link_stretch 0.001 -ts_max_steps 2",
+                               ranks);
+      ASSERT_EQ(outcome.status, 0) << outcome.output;
+      EXPECT_EQ(outcome.output.find("the link of fibre 0 segment 4 to fibre 1 segment 4 is 20 A "
+                                    "long, and 100 at rest") != std::string::npos,
+                reported)
+          << outcome.output;
+    }
+  }
+}
+
 TEST(LinksInABeam, ASpringPulledApartBreaksAtItsForceAndItsEnergyIsBooked) {
   // Two single segments on a spring of 2 eV/A^2, pulled apart at a steady speed.
   const Folder folder;

@@ -67,6 +67,7 @@ struct RunParts {
   void refuseOverlap() const;
   /// Refuses a start with fibres inside walls.
   void refuseLargeSums() const;
+  void lookAtLinks();
   void refuseInWalls() const;
   void chooseStep();
   double defaultTimeStep();

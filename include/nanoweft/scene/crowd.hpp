@@ -79,6 +79,10 @@ struct Clearance {
 /// half.
 double tightest(const std::vector<Line>& lines, const Clearance& clearance);
 
+/// How many points a line of this length has, and three more. Throws InputError, which begins with
+/// `option`, where `lines` of them have more than scaleToFit can look at.
+int pointsToLookAt(double length, double chord, double lines, const std::string& option);
+
 /// The scale at which the nearest of what `make(scale)` lays are a gap apart, or up to a hundredth
 /// more. Throws InputError, which begins with `option`, where no scale serves.
 double scaleToFit(const std::function<std::vector<Line>(double)>& make, const Clearance& clearance,
