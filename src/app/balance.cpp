@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "nanoweft/app/observers.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/motion/residual.hpp"
@@ -32,10 +30,7 @@ class Balance : public Observer {
   void observe(const Moment& moment) override {
     if (!isDue(moment, interval)) return;
     const System& s = moment.system;
-    // A load that still grows has not acted yet, nor a wall that still moves.
-    const auto moves = [&](const Wall& w) { return w.moves() && s.state.time < w.stop; };
-    if (s.boundaries.loadsGrow(s.state.time) || std::ranges::any_of(s.forces.walls().list(), moves))
-      return;
+    if (stillDriven(s.state, s.forces, s.boundaries)) return;
     balanced_ = largestResidual(s.state, s.forces, s.boundaries) <= largest_;
   }
   Verdict verdict(const Moment&) const override {

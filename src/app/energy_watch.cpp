@@ -9,7 +9,8 @@ namespace nanoweft {
 
 namespace {
 
-/// It asks for energies every so many steps, and looks at those that others ask for besides.
+/// It asks for energies every so many steps. Of those that others ask for it looks at no more than
+/// whether they are numbers.
 constexpr long interval = 100;
 
 class EnergyWatch : public Observer {
@@ -47,8 +48,7 @@ class EnergyWatch : public Observer {
                           start_.pair,    start_.time, available_};
   }
   View view(const Moment& moment) const override {
-    return isDue(moment, (interval + booked_ - 1) / booked_ * booked_) ? View::energies
-                                                                       : View::positions;
+    return looks(moment) ? View::energies : View::positions;
   }
   void observe(const Moment& moment) override;
 
@@ -63,6 +63,9 @@ class EnergyWatch : public Observer {
  private:
   static constexpr const char* name = "energy_watch";
 
+  bool looks(const Moment& moment) const {
+    return isDue(moment, (interval + booked_ - 1) / booked_ * booked_);
+  }
   static void requireSums(const Moment& moment) {
     const Energies& e = *moment.energies;
     if (std::isfinite(e.pair) || !std::isfinite(e.elastic() + e.kinetic + e.rotational)) return;
@@ -91,7 +94,8 @@ void EnergyWatch::observe(const Moment& moment) {
   const Energies& e = *moment.energies;
   requireSums(moment);
   if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
-  if (alarm_ == 0 || !isDue(moment, booked_)) return;
+  // At its own steps alone: others look when the clock says so, or as often as a table asks.
+  if (alarm_ == 0 || !looks(moment)) return;
   // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
   // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
   // motion that made it is over; a thermostat makes new motion all the time. The last term keeps

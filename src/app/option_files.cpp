@@ -9,6 +9,7 @@
 #include <map>
 #include <new>
 #include <set>
+#include <utility>
 
 #include "nanoweft/app/signals.hpp"
 #include "nanoweft/app/text_input.hpp"
@@ -101,12 +102,13 @@ class Collector {
     total_ += text.size();
     if (total_ > largestFile) refuse(where, "all files of options are larger than 64 MB");
     open_.emplace_back(file, key);
-    const std::size_t prefixes = prefixes_.size();
+    const std::size_t prefixes = prefixes_.size(), before = std::exchange(pushedBefore_, prefixes);
     if (forceYaml || isYaml(file, text))
       yaml(text, where);
     else
       lines(splitLines(text, where), where);
     requireClosedPrefixes(prefixes, where);
+    pushedBefore_ = before;
     open_.pop_back();
   }
 
@@ -174,7 +176,8 @@ class Collector {
     const bool file = same(name, "-options_file"), yamlFile = same(name, "-options_file_yaml"),
                yamlText = same(name, "-options_string_yaml"), push = same(name, "-prefix_push");
     if (same(name, "-prefix_pop")) {
-      if (prefixes_.empty()) refuse(where, "-prefix_pop without a -prefix_push");
+      if (prefixes_.size() <= pushedBefore_)
+        refuse(where, "-prefix_pop without a -prefix_push in the same file");
       prefixes_.pop_back();
       return true;
     }
@@ -203,6 +206,7 @@ class Collector {
 
   GivenOptions options_;
   std::vector<std::string> prefixes_;
+  std::size_t pushedBefore_ = 0;  ///< those of the files that include the present one
   std::map<std::string, std::string> aliases_;
   std::vector<std::pair<std::string, FileKey>> open_;  ///< files being read, the outermost first
   std::vector<FileKey> drained_;                       ///< pipes that have been read

@@ -2,6 +2,7 @@
 
 #include <hdf5.h>
 #include <omp.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <chrono>
@@ -174,7 +175,7 @@ int guarded(const Ranks& ranks, const Work& work) {
 /// PETSc crashes when it cannot write its history.
 std::string problemOfHistory(const GivenOptions& given) {
   for (const GivenOption& o : given.list) {
-    if (o.name != "-history") continue;
+    if (strcasecmp(o.name.c_str(), "-history") != 0) continue;
     const char* home = std::getenv("HOME");
     const std::string file =
         o.value && !o.value->empty() ? *o.value : std::string(home ? home : "") + "/.petschistory";

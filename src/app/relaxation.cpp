@@ -2,6 +2,7 @@
 
 #include "nanoweft/app/observers.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/motion/residual.hpp"
 
 namespace nanoweft {
 
@@ -34,9 +35,16 @@ class Relaxation : public Observer {
     return looks(moment) ? View::energies : View::positions;
   }
   void observe(const Moment& moment) override {
-    if (!looks(moment)) return;
+    if (!looks(moment)) {
+      // Without the option the energy of an earlier run becomes too old to compare with.
+      if (isDue(moment, interval_)) last_ = -1;
+      return;
+    }
     const double elastic = moment.energies->elastic();
-    converged_ = last_ >= 0 && std::abs(elastic - last_) <= tolerance_ * elastic;
+    const System& s = moment.system;
+    // Without any elastic energy there is nothing to judge by.
+    converged_ = last_ >= 0 && elastic > 0 && std::abs(elastic - last_) <= tolerance_ * elastic &&
+                 !stillDriven(s.state, s.forces, s.boundaries);
     last_ = elastic;
   }
   Verdict verdict(const Moment&) const override {

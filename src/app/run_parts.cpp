@@ -23,6 +23,9 @@ namespace {
 /// With fewer segments a thread waits longer for the others than it works.
 constexpr std::int64_t segmentsPerThread = 1500;
 
+/// Coordinate over a segment's length. So far out a coordinate has still seven digits of a segment.
+constexpr double farthestOverShortest = 1e9;
+
 /// Strain of a link at the start beyond which it is worth a warning.
 constexpr double noticedLinkStrain = 0.5;
 
@@ -98,6 +101,7 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
   makeForces();
   fillState();
   chooseTeam();
+  findStage();
   if (!plan->checkpoint && plan->settings.perturb > 0) perturb();
   goOn();
   share();
@@ -166,12 +170,26 @@ void RunParts::fillState() {
     if (!plan->checkpoint) state->noteFreeEnds();
     state->recallFreeEnds();
   }
+  requireNear(*state, farthestOverShortest * plan->kinds.shortest(), units.length);
   requireWideBox(plan->box, 3 * plan->kinds.longest(), "three segments", units.length);
   // Checked first: a bad start would fail later checks, too, and those would name another cause.
   if (!plan->checkpoint) checkStart();
   if (forces->pairs())
     requireWideBox(plan->box, 2 * forces->lists().range(),
                    "two list ranges (reach of the forces + skin)", units.length);
+}
+
+void RunParts::findStage() {
+  const StateHeader* header = plan->startHeader();
+  if (!header || !header->run.texts.contains(purposeText)) return;
+  const auto& integers = header->run.integers;
+  if (integers.contains(stageName)) stage = header->run.needIntegers(stageName, 1)[0];
+  if (!plan->checkpoint) ++stage;
+  if (auto& thermostat = plan->settings.thermostat) thermostat->seed = stageSeed();
+}
+
+std::uint64_t RunParts::stageSeed() const {
+  return plan->settings.seed + 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>(stage);
 }
 
 void RunParts::chooseTeam() {
@@ -212,7 +230,7 @@ void RunParts::checkStart() {
 
 void RunParts::perturb() {
   State& s = *state;
-  const std::uint64_t seed = plan->settings.seed;
+  const std::uint64_t seed = stageSeed();
   for (int i = 0; i < s.owned(); ++i) {
     for (int c = 0; c < 3; ++c)
       s.pose[8 * i + c] +=
@@ -273,7 +291,7 @@ void RunParts::share() {
   forces->rebuild(*state, *domain);
   if (!plan->checkpoint &&
       std::ranges::any_of(plan->links, [](const LinkLaw& law) { return law.density > 0; })) {
-    makeLinks(*state, *forces, plan->units, plan->settings.seed);
+    makeLinks(*state, *forces, plan->units, stageSeed());
     forces->rebuild(*state, *domain);
   }
   // The first shares know no measured work. They may be made twice more: from it, then by METIS.

@@ -87,7 +87,9 @@ void RunPlan::refuseSharedNames() const {
     for (const Wall& w : walls) differ(w.name, "-walls");
   }
   for (const Wall& w : walls)
-    if (std::ranges::find(boundaries.list(), w.name, &Boundary::name) != boundaries.list().end())
+    if (std::ranges::any_of(boundaries.list(), [&](const Boundary& b) {
+          return strcasecmp(b.name.c_str(), w.name.c_str()) == 0;
+        }))
       throw InputError("-walls " + w.name +
                        ": a group of -bc has that name, and both have options -" + w.name + "_...");
 }
@@ -165,7 +167,7 @@ void RunPlan::refuseContradictions() const {
   refuseBesideShear();
   if (minimises()) refuseForMinimiser();
   // A restart has the box and the motion of its checkpoint, whatever is thought of them now.
-  if (!checkpoint && settings.relaxForce > 0) refuseWithoutRest();
+  if (settings.relaxForce > 0) refuseWithoutRest();
   if (!checkpoint) refuseWallsAcross();
   if (settings.thermostat && settings.thermostat->kelvin > 0 &&
       (settings.relaxTolerance > 0 || settings.relaxForce > 0))

@@ -322,6 +322,7 @@ RunRecord Simulation::stageRecord(const char* purpose) const {
   RunRecord record;
   record.texts = provenanceTexts(parts_->plan->provenance, purpose);
   record.reals["fibre"] = parts_->fingerprint();
+  if (parts_->stage > 0) record.integers[RunParts::stageName] = {parts_->stage};
   if (const auto shapes = parts_->restShapes(); !shapes.empty())
     record.reals["rest_shapes"] = shapes;
   if (const auto links = parts_->linkNumbers(); !links.empty()) record.reals["links"] = links;

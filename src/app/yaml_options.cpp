@@ -106,6 +106,8 @@ class Gatherer {
   }
 
   void merge(const yaml_node_t& value, const std::string& prefix, int depth) {
+    // References to references grow without bound.
+    if (++merged_ > 100000) refuse(value, "more than 100,000 maps are merged");
     if (value.type != YAML_SEQUENCE_NODE) return map(value, prefix, depth + 1);
     // Of several maps the first holds.
     const auto& items = value.data.sequence.items;
@@ -145,6 +147,7 @@ class Gatherer {
   Document& document_;
   const std::string& where_;
   std::vector<YamlOption>& options_;
+  int merged_ = 0;
 };
 
 /// What the parser stumbled over.

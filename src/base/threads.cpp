@@ -30,14 +30,16 @@ int shareOfCores(const CoreSet& mine, const std::vector<CoreSet>& all) {
 }
 
 int threadsPerRank(MPI_Comm comm) {
-  if (std::getenv("OMP_NUM_THREADS")) return omp_get_max_threads();
   CoreSet mine;
-  if (sched_getaffinity(0, sizeof mine, &mine) != 0) return 1;
+  CPU_ZERO(&mine);
+  const bool known = sched_getaffinity(0, sizeof mine, &mine) == 0;
+  // All ranks come here, since some may have the variable and others not.
   MPI_Comm node;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
   const std::vector<CoreSet> all = ofAllRanks(std::vector<CoreSet>{mine}, node);
   MPI_Comm_free(&node);
-  return shareOfCores(mine, all);
+  if (std::getenv("OMP_NUM_THREADS")) return omp_get_max_threads();
+  return known ? shareOfCores(mine, all) : 1;
 }
 
 }  // namespace nanoweft

@@ -1,6 +1,7 @@
 #include "nanoweft/domain/domain.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -132,6 +133,18 @@ void requireWideBox(const Box& box, double least, const char* what, const char* 
     if (box.periodic[d] && !(box.length(d) >= least))
       throw InputError(format("the periodic box is too thin along %c: %g %s, but %s are %g %s",
                               "xyz"[d], box.length(d), length, what, least, length));
+}
+
+void requireNear(const State& state, double most, const char* length) {
+  double farthest = 0;
+  for (int i = 0; i < state.owned(); ++i)
+    for (int c = 0; c < 3; ++c) farthest = std::max(farthest, std::abs(state.pose[8 * i + c]));
+  MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, state.comm());
+  if (farthest > most)
+    throw InputError(format(
+        "fibres reach to %g %s from the origin along an axis: coordinates that large have too "
+        "few digits for the bonds; bring them nearer, to %g %s at most",
+        farthest, length, most, length));
 }
 
 }  // namespace nanoweft

@@ -176,11 +176,11 @@ class Graph {
                                  nullptr, options, &cut, part.data());
     };
     int status = attempt();
-    // METIS takes a SIGTERM that ends this run for its own: the run's handler has it, too, and
-    // METIS begins again.
+    // METIS takes a SIGTERM that ends this run for its own. Begun again it comes to an end, and the
+    // run's handler gets the signal; an error of METIS comes again.
     if (status == METIS_ERROR) {
-      ::raise(SIGTERM);
       status = attempt();
+      if (status == METIS_OK) ::raise(SIGTERM);
     }
     if (status != METIS_OK) part.clear();
     return part;

@@ -1,6 +1,7 @@
 #include "nanoweft/force/contact_read.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/force/contact_force.hpp"
@@ -19,14 +20,22 @@ double usualModulus(const Fibre& a, const Fibre& b) {
   return 1.0 / (compliance(a) + compliance(b));
 }
 
-FrictionLaw readFriction(const PairReader& read, OptionSection& s) {
+/// With the defaults of `usual`, where NaN stands for what has to be given.
+FrictionLaw readFriction(const PairReader& read, OptionSection& s, const FrictionLaw& usual) {
+  auto real = [&](const char* name, double value, const char* help, const Bounds& bounds) {
+    const double found = s.real(name, std::isnan(value) ? 0.0 : value, "", help, bounds);
+    if (std::isnan(value) && !s.given(name) && read.is("contact"))
+      throw InputError("-pair contact: give " + read.option(name) +
+                       ", since the two kinds' own differ");
+    return found;
+  };
   FrictionLaw law;
-  law.mu = s.real("contact_friction", 0.0, "", "coefficient of friction", coefficientBounds);
+  law.mu = real("contact_friction", usual.mu, "coefficient of friction", coefficientBounds);
   law.tangential =
-      s.real("contact_tangential", 2.0 / 7.0, "",
-             "stiffness of a contact along the surfaces over that across", tangentialBounds);
-  law.restitution = s.real(
-      "contact_restitution", 1.0, "",
+      real("contact_tangential", usual.tangential,
+           "stiffness of a contact along the surfaces over that across", tangentialBounds);
+  law.restitution = real(
+      "contact_restitution", usual.restitution,
       "speed after a collision of two segments over that before it; 1: not damped", {0.0, 1.0});
   law.mass = read.a.mass * read.b.mass / (read.a.mass + read.b.mass);
   return law;
@@ -34,7 +43,8 @@ FrictionLaw readFriction(const PairReader& read, OptionSection& s) {
 
 }  // namespace
 
-std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice& choice) {
+std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice& choice,
+                                       FrictionLaw& friction) {
   OptionSection s = read.of("contact");
   const Fibre &a = read.a, &b = read.b;
   const auto given =
@@ -42,7 +52,7 @@ std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice&
                   "E* of the contact: 1/E* is the sum of (1 - nu^2)/E of both", positive);
   const int points = static_cast<int>(
       s.integer("contact_points", 6, "points a segment where fibres lie along each other", 1, 99));
-  const FrictionLaw friction = readFriction(read, s);
+  friction = readFriction(read, s, friction);
   if (!read.is("contact")) return nullptr;
   const double modulus = given ? *given * read.units.gigapascal : usualModulus(a, b);
   if (!(modulus > 0))

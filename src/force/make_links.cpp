@@ -1,6 +1,7 @@
 #include "nanoweft/force/make_links.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "nanoweft/base/error.hpp"
@@ -66,12 +67,21 @@ void requireListed(double distance, const ForceField& forces, const UnitSystem& 
              distance, most, units.length));
 }
 
-/// Makes the links of one kind.
+/// Makes the links of one kind, where it has none yet.
 void makeLinksOf(int kind, State& state, const ForceField& forces, const UnitSystem& units,
                  std::uint64_t seed) {
   const LinkLaw& law = forces.links().laws()[static_cast<std::size_t>(kind)];
   requireListed(law.distance, forces, units);
-  const auto pairs = places(state, forces, law.distance);
+  auto pairs = places(state, forces, law.distance);
+  std::vector<std::array<std::int64_t, 2>> tied;
+  for (const Link& l : state.links)
+    if (l.kind == kind)
+      tied.push_back({std::min(l.row[0], l.row[1]), std::max(l.row[0], l.row[1])});
+  std::ranges::sort(tied);
+  std::erase_if(pairs, [&](const ListPair& p) {
+    const auto [low, high] = std::minmax(state.row[p.i], state.row[p.j]);
+    return std::ranges::binary_search(tied, std::array<std::int64_t, 2>{low, high});
+  });
   double sums[2] = {static_cast<double>(pairs.size()), 0.0};  // places, and length of fibre
   for (int i = 0; i < state.owned(); ++i) sums[1] += forces.kinds()[state.kind(i)].length;
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, state.comm());

@@ -36,6 +36,7 @@ struct OwnLaw {
   VdwParameters vdw;
   double hertz = 0;
   SurfaceValues surface;
+  FrictionLaw friction;
 };
 
 double geometric(double x, double y) {
@@ -350,7 +351,7 @@ std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
     inDoubles.points = nearPoints(read, found.need);
     keep(found.need, inDoubles, [&](const PairChoice& c) { return makeSurface(read, found, c); });
   }
-  if (auto contact = readContact(read, choice)) forces.push_back(std::move(contact));
+  if (auto contact = readContact(read, choice, law.friction)) forces.push_back(std::move(contact));
   return forces;
 }
 
@@ -379,6 +380,9 @@ OwnLaw between(const KindWithLaw& one, const KindWithLaw& other, const UnitSyste
   law.vdw = meanOf(ofA.vdw, ofB.vdw);
   law.hertz = hertzBetween(one, other, units);
   law.surface = surfaceValuesBetween(ofA.surface, ofB.surface);
+  law.friction.mu = common(ofA.friction.mu, ofB.friction.mu);
+  law.friction.tangential = common(ofA.friction.tangential, ofB.friction.tangential);
+  law.friction.restitution = common(ofA.friction.restitution, ofB.friction.restitution);
   return law;
 }
 
@@ -402,7 +406,7 @@ PairForces readPairForces(Options& options, const UnitSystem& units, const Kinds
     const std::string name = f.kind.empty() ? "" : f.kind + "_" + f.kind;
     const OptionPrefix prefix(options, name);
     PairReader read{options, units, f, f, name.empty() ? "" : name + "_", {}};
-    own.push_back({{f.law}, usualVdw(units), usualHertz(f, units), {}});
+    own.push_back({{f.law}, usualVdw(units), usualHertz(f, units), {}, {}});
     keep(k, k, readOne(read, own.back()));
   }
   for (int i = 0; i < kinds.count(); ++i)

@@ -95,8 +95,13 @@ SurfaceValues surfaceValuesBetween(const SurfaceValues& a, const SurfaceValues& 
   for (const Type& type : surfaceLaws()) {
     const Type::Values ofA = completed(type, a.at(type.name)),
                        ofB = completed(type, b.at(type.name));
-    for (std::size_t k = 0; k < type.parameters.size(); ++k)
-      values[type.name].push_back(between(type.parameters[k].rule, ofA[k], ofB[k]));
+    for (std::size_t k = 0; k < type.parameters.size(); ++k) {
+      const Type::Parameter& p = type.parameters[k];
+      // A stiffness that follows from the law within a kind does so between two kinds, too.
+      const bool follows = p.rule == Type::geometric && p.fallback &&
+                           (std::isnan(a.at(type.name)[k]) || std::isnan(b.at(type.name)[k]));
+      values[type.name].push_back(follows ? unknown : between(p.rule, ofA[k], ofB[k]));
+    }
   }
   return values;
 }

@@ -1,5 +1,7 @@
 #include "nanoweft/motion/boundary.hpp"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -88,15 +90,9 @@ void Boundaries::readNamed(Options& options, const UnitSystem& units) {
   s.document("NAME_torque", "0,0,0", units.energy, "torque on each member");
   s.document("NAME_ramp", "0", units.time,
              "velocity, spin, force and torque grow linearly for this long");
+  checkPrefixes("-bc", "a group", names);
   for (const std::string& name : names) {
-    if (std::ranges::any_of(boundaries_, [&](const Boundary& b) { return b.name == name; }))
-      throw InputError("-bc: " + name + " is named twice");
-    std::string small = name;
-    std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (beginsPetscOptions(small))
-      throw InputError("-bc: '" + name + "' cannot name a group, since -" + small +
-                       "_... are options of PETSc");
-    if (name.starts_with("tension"))
+    if (strncasecmp(name.c_str(), "tension", 7) == 0)
       throw InputError("-bc " + name +
                        ": names that begin with tension belong to the tension test");
     readOneNamed(options, name);
@@ -148,6 +144,15 @@ void Boundaries::readOneNamed(Options& options, const std::string& name) {
       throw InputError(
           format("-%s_velocity: its %c component is not zero but -%s_fix does not hold it",
                  name.c_str(), "xyz"[d], name.c_str()));
+  const double loads[3] = {b.force.x, b.force.y, b.force.z};
+  for (std::size_t d = 0; d < 3; ++d)
+    if (loads[d] != 0 && b.fix[d])
+      throw InputError(
+          format("-%s_force: its %c component does nothing, since the group is held in it",
+                 name.c_str(), "xyz"[d]));
+  if (norm(b.torque) > 0 && b.fixRotation)
+    throw InputError(
+        format("-%s_torque: does nothing, since the group is kept from rotating", name.c_str()));
   if (!b.constrains() && !force && !torque)
     throw InputError(format(
         "-bc %s: nothing acts on it; give -%s_fix, -%s_fix_rotation, -%s_velocity, -%s_spin, "

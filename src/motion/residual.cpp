@@ -6,6 +6,12 @@
 
 namespace nanoweft {
 
+bool stillDriven(const State& state, const ForceField& forces, const Boundaries& boundaries) {
+  return boundaries.loadsGrow(state.time) ||
+         std::ranges::any_of(forces.walls().list(),
+                             [&](const Wall& w) { return w.moves() && state.time < w.stop; });
+}
+
 void applyBoundaries(Residual& residual, const State& state, const Boundaries& boundaries, int i) {
   for (const Boundary& b : boundaries.list()) {
     if (!(state.group[i] & 1 << b.bit)) continue;

@@ -69,6 +69,7 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
   const bool wanted = ask.given("tension_rate") || ask.given("tension_program");
   OptionSection s(options, "Tension test", wanted, noTest);
   Tension t;
+  t.unit = units.length;
   const std::string axis =
       s.choice("tension_axis", "x", {"x", "y", "z"}, "direction in which the grips part");
   t.axis = axis[0] - 'x';
@@ -186,8 +187,8 @@ void Tension::measure(State& state) {
   start = state.time;
   gage = upper - lower - 2.0 * grip;
   if (!(gage > 0))
-    throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's length of %g",
-                            grip, upper - lower));
+    throw InputError(format("-tension_grip %g: two grips leave nothing of the piece's %g %s", grip,
+                            upper - lower, unit));
   if (width == 0) {
     width = state.box.periodic[static_cast<std::size_t>(across())] ? state.box.length(across())
                                                                    : -extent[3] - extent[2];

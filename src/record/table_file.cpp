@@ -77,8 +77,10 @@ std::vector<TableStretch> parseStretches(const std::string& text) {
   TableStretch s{};
   parts >> s.interval >> steps >> from >> step >> s.begin;
   for (;;) {
-    const bool rises = result.empty() || s.begin > result.back().begin;
+    const bool rises = result.empty() || s.begin >= result.back().begin;
     if (!parts || s.interval < 1 || s.begin < 0 || !rises) return {};
+    // Of two that begin at one step the later holds.
+    if (!result.empty() && s.begin == result.back().begin) result.pop_back();
     result.push_back(s);
     char comma;
     if (!(parts >> comma)) return result;

@@ -72,8 +72,8 @@ TableMonitor::Target TableMonitor::target() const {
   const std::string &name = parts[1], &shape = parts[2], &mode = parts[3];
   if (count > 4 || (!shape.empty() && shape != "default"))
     throw InputError(given + ": expected ascii:FILE.csv, with no ':' in the name");
-  if (!mode.empty() && mode != "write" && mode != "append")
-    throw InputError(given + ": a table can be opened by write or append, not by " + mode);
+  if (!mode.empty() && mode != "write")
+    throw InputError(given + ": a table can be opened by write, not by " + mode);
   if (name.ends_with(".gz"))
     throw InputError(given + ": tables are not compressed; choose a name without .gz");
   if (name.empty() || name == "stdout" || name == "/dev/stdout") return {};
@@ -155,7 +155,9 @@ void TableMonitor::read(const TableRun& run) {
   if (rows.last < 0) return;
   while (old.stretches.back().begin >= run.step && old.stretches.size() > 1)
     old.stretches.pop_back();
-  if (old.stretches.back().interval != run.interval)
+  if (old.stretches.back().begin == run.step)
+    old.stretches.back().interval = run.interval;
+  else if (old.stretches.back().interval != run.interval)
     old.stretches.push_back({run.interval, run.step});
   head_.stretches = old.stretches;
   keptBegin_ = old.end;

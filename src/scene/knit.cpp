@@ -8,6 +8,7 @@
 /// legs. D is as deep as the strands need to pass each other.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "nanoweft/base/error.hpp"
@@ -114,9 +115,20 @@ std::unique_ptr<Scene> makeKnitScene(Options& options, const SceneContext& conte
   knit.width = wanted.value_or(std::max(12.0 * context.kinds.longest(), 5.0 * knit.thick));
   deepen(knit, context.kinds.shortest(), unit);
   const double length = knit.loopLength() * knit.loops;
-  laying.segments = [=](std::int64_t f) {
-    return std::max(3, static_cast<int>(std::lround(length / mix->fibre(f).length)));
+  auto countOf = [&](double T) {
+    const int count = std::max(3, static_cast<int>(std::lround(length / T)));
+    if (!knit.periodic || count == 3) return count;
+    // Chords are shorter than arcs: one segment less may fit better.
+    auto strain = [&](int n) {
+      double chord = T;
+      walkAround(knit.fibre(0, 0.0), knit.span(), n, chord);
+      return std::abs(chord / T - 1.0);
+    };
+    return strain(count - 1) < strain(count) ? count - 1 : count;
   };
+  std::map<double, int> counts;  // by length of a segment
+  for (const Fibre& fibre : context.kinds) counts[fibre.length] = countOf(fibre.length);
+  laying.segments = [=](std::int64_t f) { return counts.at(mix->fibre(f).length); };
   laying.line = [=, segments = laying.segments](std::int64_t f) {
     double T = mix->fibre(f).length;
     if (!knit.periodic) return Line{walk(knit.fibre(f, 0.5 * knit.loops), T, segments(f))};

@@ -76,7 +76,15 @@ double KindMix::thickest() const {
 }
 
 int KindMix::segments(std::int64_t number, int ofFirst) const {
-  return std::max(2, static_cast<int>(std::lround(length(ofFirst) / fibre(number).length)));
+  const Fibre& own = fibre(number);
+  const auto count = static_cast<int>(std::lround(length(ofFirst) / own.length));
+  if (count < 2)
+    throw InputError(
+        format("%d segments of the first kind are too short a fibre for the kind %s, "
+               "whose segments are %.3g times as long; take %.0f at least",
+               ofFirst, own.kind.c_str(), own.length / length(1),
+               std::ceil(1.5 * own.length / length(1))));
+  return count;
 }
 
 double KindMix::volume(int ofFirst) const {

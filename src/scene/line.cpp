@@ -126,6 +126,7 @@ Vec3d acrossOf(const Vec3d& axis) {
 }
 
 std::vector<Vec3d> directionsOf(const Line& line) {
+  if (!line.axes.empty()) return line.axes;
   const auto& p = line.points;
   const std::size_t n = p.size();
   std::vector<Vec3d> t(n);

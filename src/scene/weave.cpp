@@ -20,12 +20,25 @@ namespace {
 
 using std::numbers::pi;
 
+/// How steeply fibres may pass from one side to the other.
+constexpr double steepest = 0.8;
+
 /// One fibre's centre line in its own plane: s along the family's direction, z up.
 class Wave {
  public:
   Wave(double amplitude, double pitch) : amplitude_(amplitude), pitch_(pitch) {}
 
   double height(double s) const { return amplitude_ * std::cos(pi * (s / pitch_ - 0.5)); }
+
+  /// From one crossing to the next.
+  double length() const {
+    constexpr int parts = 100;
+    double sum = 0;
+    for (int k = 0; k < parts; ++k)
+      sum +=
+          std::hypot(pitch_ / parts, height(pitch_ * (k + 1) / parts) - height(pitch_ * k / parts));
+    return sum;
+  }
 
   /// The place one chord further along.
   double next(double s, double chord) const {
@@ -143,6 +156,15 @@ class WeaveScene final : public Scene {
     };
     const double natural = bisect(shortest, longest, covers);
     f.pitch = p_.pitch > 0 ? p_.pitch : natural;
+    if (const double least = pi * amplitude_ / steepest; f.pitch < least) {
+      // Along a wave of that pitch.
+      const double way = Wave(amplitude_, least).length();
+      throw InputError(format(
+          "-weave_%s: crossings %.4g %s apart are too steep for fibres that pass each other at "
+          "%.4g; %.4g at least, which takes %.0f segments",
+          p_.pitch > 0 ? "pitch" : "segments", f.pitch, unit_, p_.gap, least,
+          std::ceil(crossings * way / length)));
+    }
     const double span = crossings * f.pitch;
     const Wave wave(amplitude_, f.pitch);
     if (p_.periodic) {
@@ -262,16 +284,19 @@ std::unique_ptr<Scene> makeWeaveScene(Options& options, const SceneContext& cont
   p.pitch = s.maybeReal("weave_pitch", "so that the fibres just cover the piece",
                         context.units.length, "distance between neighbouring fibres", positive)
                 .value_or(0.0);
-  p.gap = s.maybeReal("weave_gap", "rest distance of the pair law", context.units.length,
-                      "distance between the two fibres at a crossing", positive)
-              .value_or(context.restDistance(p.kindX, p.kindY));
+  const auto gap = s.maybeReal("weave_gap", "rest distance of the pair law", context.units.length,
+                               "distance between the two fibres at a crossing", positive);
   p.periodic = s.flag("weave_periodic", false, "periodic in x and y, every fibre closed on itself");
   p.shaped =
       s.choice("weave_rest", "straight", {"straight", "shaped"},
                "shape of the fibres at rest: that of their kind, or the woven one") == "shaped";
   FabricParameters fabric = readFabric(s);
   if (use != SceneUse::start) return nullptr;
+  p.gap = gap.value_or(context.restDistance(p.kindX, p.kindY));
   if (fabric.asked()) {
+    // Tows have fibres of their own kind beside them, too.
+    if (!gap)
+      for (const int k : {p.kindX, p.kindY}) p.gap = std::max(p.gap, context.restDistance(k, k));
     fabric.count = {p.alongX, p.alongY};
     fabric.segments = p.segments, fabric.kinds = {p.kindX, p.kindY};
     fabric.pitch = p.pitch, fabric.gap = p.gap;

@@ -12,6 +12,8 @@ namespace {
 
 /// Bonds are not bent further at the start, in radians.
 constexpr double mostBend = 0.6;
+/// Over a segment: the least that bends up to mostBend can give is 11.1 in space, 8.3 in the plane.
+constexpr double leastPersistence = 12;
 
 /// Times that a bond is turned anew before the fibre loses segments, and that it loses some before
 /// it is begun anew.
@@ -35,6 +37,25 @@ class Lots {
   std::uint32_t drawn_ = 0;
 };
 
+/// Standard deviation of normal draws such that a turn has this variance, although draws beyond
+/// mostBend do not count: of a turn in the plane, or of each of two across.
+double spreadOf(double variance, bool flat) {
+  // Variance of what remains of draws with the standard deviation s.
+  auto left = [&](double s) {
+    const double a = mostBend / s, inside = 0.5 * a * a;
+    if (!flat) return s * s * (1.0 - inside / std::expm1(inside));
+    return s * s *
+           (1.0 - std::sqrt(2.0 / std::numbers::pi) * a * std::exp(-inside) /
+                      std::erf(a / std::numbers::sqrt2));
+  };
+  double low = std::sqrt(variance), high = 100.0 * mostBend;
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (left(middle) < variance ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 Vec3d firstDirection(Lots& lots, bool flat) {
   const auto [a, b] = lots.uniform();
   const double angle = 2.0 * std::numbers::pi * a, z = flat ? 0.0 : 2.0 * b - 1.0;
@@ -47,7 +68,12 @@ class Growth {
  public:
   Growth(Crowd& crowd, const Worm& worm, Lots& lots,
          const std::function<bool(const LaidPiece&)>& taken)
-      : crowd_(crowd), worm_(worm), lots_(lots), taken_(taken), before_(crowd.size()) {}
+      : crowd_(crowd),
+        worm_(worm),
+        lots_(lots),
+        taken_(taken),
+        before_(crowd.size()),
+        spread_(worm.persistence > 0 ? spreadOf(worm.length / worm.persistence, flat()) : 0.0) {}
 
   /// False: it found no way.
   bool grow(const Vec3d& start, const Vec3d& direction) {
@@ -60,7 +86,7 @@ class Growth {
     return true;
   }
 
-  Line line() const { return {points_}; }
+  Line line() const { return {points_, false, {}, directions_}; }
 
  private:
   int size() const { return static_cast<int>(points_.size()); }
@@ -85,14 +111,20 @@ class Growth {
     return false;
   }
 
+  bool flat() const { return worm_.height.has_value(); }
+
   /// The next direction: two turns across the last one, or in the plane one, of variance T/P each.
+  /// Draws beyond mostBend are drawn again.
   Vec3d turned(const Vec3d& e) {
-    const double spread = std::sqrt(worm_.length / worm_.persistence);
-    const Vec3d side = worm_.height ? Vec3d{-e.y, e.x, 0} : acrossOf(e);
-    Vec3d bend = spread * lots_.normal() * side;
-    if (!worm_.height) bend += spread * lots_.normal() * cross(e, side);
-    const double angle = norm(bend);
-    if (angle == 0 || angle > mostBend) return e;
+    const Vec3d side = flat() ? Vec3d{-e.y, e.x, 0} : acrossOf(e);
+    Vec3d bend;
+    double angle;
+    do {
+      bend = spread_ * lots_.normal() * side;
+      if (!flat()) bend += spread_ * lots_.normal() * cross(e, side);
+      angle = norm(bend);
+    } while (angle > mostBend);
+    if (angle == 0) return e;
     return std::cos(angle) * e + std::sin(angle) / angle * bend;
   }
 
@@ -108,6 +140,7 @@ class Growth {
   Lots& lots_;
   const std::function<bool(const LaidPiece&)>& taken_;
   std::size_t before_;  ///< pieces of the crowd that are others'
+  double spread_;       ///< of a turn
   std::vector<Vec3d> points_, directions_;
 };
 
@@ -136,9 +169,9 @@ double readPersistence(OptionSection& section, const std::string& scene,
                                  .maybeReal(option, "straight", context.units.length,
                                             "persistence length of worm-like fibres", positive)
                                  .value_or(0.0);
-  if (persistence > 0 && persistence < 5.0 * context.kinds.longest())
+  if (persistence > 0 && persistence < leastPersistence * context.kinds.longest())
     throw InputError(
-        format("-%s %g: shorter than five segments of %g %s, which would bend too "
+        format("-%s %g: shorter than twelve segments of %g %s, which would bend too "
                "sharply",
                option.c_str(), persistence, context.kinds.longest(), context.units.length));
   return persistence;

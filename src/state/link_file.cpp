@@ -30,7 +30,8 @@ void readWhole(const OpenState& file, const char* name, const std::vector<hsize_
   const h5::Handle space(H5Dget_space(set), H5Sclose), type(H5Dget_type(set), H5Tclose);
   const bool whole = std::is_integral_v<T>;
   const H5T_class_t kind = H5Tget_class(type);
-  if (kind != H5T_INTEGER && (whole || kind != H5T_FLOAT))
+  const bool integer = kind == H5T_INTEGER || kind == H5T_ENUM;  // the latter: h5py's truth values
+  if (!integer && (whole || kind != H5T_FLOAT))
     file.refuse(what + (whole ? " must hold whole numbers" : " must hold numbers"));
   std::vector<hsize_t> shape(
       static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));

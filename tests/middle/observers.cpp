@@ -208,6 +208,7 @@ TEST_F(ObserverTest, EnergyOutOfNothingEndsTheRun) {
   first.bending = 100;
   energies = first;
   const Moment moment{system, verlet, limits, first, &energies, book};
+  watch->begin(moment);
   watch->observe(moment);
   energies.kinetic = 20;
   watch->observe(moment);

@@ -381,5 +381,26 @@ TEST(LinkKinds, WrongOnesAreRefused) {
                 {"link 1: its kind is 2; there are 2"});
 }
 
+TEST(LinksOfStages, TieNoPlaceTwice) {
+  const Folder folder;
+  const std::string options =
+      "-links_density 0.01 -links_distance 22 -damping_local 0.4 -ts_max_steps 4 -state_output ";
+  ASSERT_EQ(run(folder, "-weave_fibres 4,4 -weave_segments 16 " + options + "one.h5").status, 0);
+  std::vector<double> files[2];
+  for (const int ranks : {1, 3}) {
+    const auto outcome =
+        run(folder, "-scene file -scene_file one.h5 -overwrite " + options + "two.h5", ranks);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    files[ranks > 1] = readDataset(folder / "two.h5", "/link/segments");
+  }
+  EXPECT_EQ(files[0], files[1]);
+  std::set<std::vector<double>> places;
+  for (std::size_t k = 0; k < files[0].size(); k += 4)
+    places.insert(std::vector<double>(files[0].begin() + static_cast<std::ptrdiff_t>(k),
+                                      files[0].begin() + static_cast<std::ptrdiff_t>(k + 4)));
+  EXPECT_EQ(4 * places.size(), files[0].size());
+  EXPECT_GT(files[0].size(), readDataset(folder / "one.h5", "/link/segments").size());
+}
+
 }  // namespace
 }  // namespace nanoweft::test

@@ -8,6 +8,7 @@
 #include "support/expect.hpp"
 #include "support/formulas.hpp"
 #include "support/program.hpp"
+#include "support/state_edit.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -126,6 +127,30 @@ TEST(Tension, SaysWhichFibresTheGripsHold) {
         outcome.output.find("grips hold fibres: 3 both, 2 the left one only, 1 the right one\n"),
         std::string::npos)
         << outcome.output;
+  }
+}
+
+TEST(TensionRamps, EndWithinAStepWithTheStrainThatTheGripsHave) {
+  for (const double ramp : {10.0, 150.0, 200.0}) {
+    const Folder folder;
+    const auto outcome =
+        run(folder,
+            "-scene weave -weave_fibres 4,4 -weave_segments 16 -tension_rate 2e-5 -tension_grip "
+            "20 -ts_dt 20 -ts_max_steps 20 -tension_thickness 10 -monitor_interval 1 "
+            "-stress_monitor ascii:s.csv -state_output out.h5 -snapshot_file snap "
+            "-snapshot_interval 20 -tension_ramp " +
+                std::to_string(ramp));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    auto wide = [](const std::string& file) {
+      double low = 1e9, high = -1e9;
+      for (const Vec3d& x : readVectors(file, "/state/position"))
+        low = std::min(low, x.x), high = std::max(high, x.x);
+      return high - low;
+    };
+    const double before = wide(folder / "snap_0000000000.h5"), after = wide(folder / "out.h5"),
+                 gage = before - 40;
+    EXPECT_NEAR((after - before) / gage, readCsv(folder / "s.csv").at("strain").back(), 1e-12)
+        << ramp;
   }
 }
 

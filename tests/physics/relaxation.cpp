@@ -198,5 +198,45 @@ TEST(Relaxation, WaitsForALoadThatGrows) {
       0.03);
 }
 
+TEST(Relaxation, DoesNotConvergeWhileALoadGrowsOrAWallIsOnItsWay) {
+  const Folder folder;
+  auto expectConverged = [&](const std::string& options, const std::string& number) {
+    const auto outcome = run(folder, options);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto at = outcome.output.find("\nsteps ");
+    ASSERT_NE(at, std::string::npos) << outcome.output;
+    int steps = 0;
+    std::sscanf(outcome.output.c_str() + at, "\nsteps %d", &steps);
+    EXPECT_GT(steps, std::stoi(number)) << outcome.output;
+  };
+  const std::string ends = "-ts_max_steps 20000 -ts_dt 20 -overwrite ";
+  // The load has grown after 8000 steps, the wall arrives after 900.
+  expectConverged(
+      ends +
+          "-scene fibre -fibre_segments 30 -bc root,tip -root_region -1,-1,-1,1,1,1 "
+          "-root_fix 1,1,1 -root_fix_rotation -tip_region 390,-1,-1,400,1,1 -tip_force "
+          "0,0,0.005 -damping_local 0.2 -tip_ramp 160000 -relax_tolerance 0.1 -relax_interval "
+          "100",
+      "7999");
+  expectConverged(
+      ends +
+          "-scene fibre -fibre_segments 10 -damping_local 0.3 -walls w -w_point 0,0,-25 "
+          "-w_axis 0,0,1 -w_velocity 0,0,0.001 -w_stop 20000 -w_modulus 20 -relax_tolerance "
+          "1e-3 -relax_interval 100",
+      "900");
+}
+
+TEST(Relaxation, ADrivenBoxCannotBeGivenAnEndAtRestByARestart) {
+  const Folder folder;
+  const auto begun = run(folder,
+                         "-scene weave -weave_fibres 4,4 -weave_segments 40 -weave_periodic "
+                         "-deform_x free -deform_thickness 17 -damping_local 0.4 -ts_max_steps 20 "
+                         "-checkpoint_file c.h5");
+  ASSERT_EQ(begun.status, 0) << begun.output;
+  const auto outcome = run(folder, "-restart c.h5 -relax_force 100 -ts_max_steps 50");
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_NE(outcome.output.find("box that is driven"), std::string::npos) << outcome.output;
+}
+
 }  // namespace
 }  // namespace nanoweft::test

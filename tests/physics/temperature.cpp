@@ -253,5 +253,26 @@ TEST(Temperature, OfZeroIsADragThatStopsAFreeFibre) {
   }
 }
 
+TEST(Temperature, ALaterStageHasNoiseOfItsOwn) {
+  // Two systems in the same noise come together, so a stage with that of the one before would.
+  const Folder folder;
+  const std::string bath =
+      "-pair none -temperature 300 -temperature_damping 2e-3 -ts_dt 20 -ts_max_steps 1500 ";
+  expectDone(run(folder, "-scene fibre -fibre_segments 40 -temperature_start " + bath +
+                             "-state_output one.h5"));
+  expectDone(run(folder, "-scene file -scene_file one.h5 " + bath + "-state_output two.h5"));
+  // A restart of the second goes on with the noise that it had.
+  expectDone(run(folder, "-scene file -scene_file one.h5 " + bath +
+                             "-checkpoint_file c.h5 -checkpoint_interval 700 -ts_max_steps 700"));
+  expectDone(run(folder, "-restart c.h5 -ts_max_steps 1500 -state_output again.h5", 2));
+  const auto one = readDataset(folder / "one.h5", "/state/velocity"),
+             two = readDataset(folder / "two.h5", "/state/velocity");
+  double both = 0, ofOne = 0, ofTwo = 0;
+  for (std::size_t k = 0; k < one.size(); ++k)
+    both += one[k] * two[k], ofOne += one[k] * one[k], ofTwo += two[k] * two[k];
+  EXPECT_LT(std::abs(both) / std::sqrt(ofOne * ofTwo), 0.4);
+  EXPECT_EQ(readDataset(folder / "again.h5", "/state/velocity"), two);
+}
+
 }  // namespace
 }  // namespace nanoweft::test

@@ -394,4 +394,57 @@ TEST(Scenes, AFibreFollowsThePointsOfATextFile) {
   EXPECT_EQ(s.x.size(), 93u + 15);  // 200/T = 14.7
 }
 
+TEST(Scenes, TowsOfTwoKindsLeaveEachKindItsRoom) {
+  const Folder folder;
+  const auto outcome = run(folder,
+                           "-kinds a,b -b_fibre_preset cnt_15_15 -scene weave -weave_kinds a,b "
+                           "-weave_filaments 2,1 -weave_fibres 2,2 -weave_segments 30 "
+                           "-ts_max_steps 0 -energy_monitor ascii:e.csv");
+  expectDone(outcome);
+  EXPECT_LT(readCsv(folder / "e.csv").at("pair").front(), 0);
+}
+
+TEST(Scenes, WormsHaveThePersistenceLengthThatIsAskedFor) {
+  const Folder folder;
+  for (const auto& [scene, asked, times] :
+       {std::tuple{"network", 170.0, 1.0}, std::tuple{"network", 400.0, 1.0},
+        std::tuple{"film", 170.0, 2.0}}) {
+    const std::string name = scene;
+    const bool network = name == "network";
+    expectDone(run(folder, "-scene " + name + " -" + name + "_persistence " +
+                               std::to_string(asked) + " -" + name + "_segments 40 -" + name +
+                               (network ? "_fibres 400 -network_size 8000,8000,8000"
+                                        : "_fibres 120 -film_size 12000,12000 -film_layers 2") +
+                               " -pair none -ts_max_steps 0 -overwrite -state_output s.h5"));
+    const auto x = readVectors(folder / "s.h5", "/state/position");
+    const auto periodic = 8000.0;
+    // Of chords one to five segments apart: their smoothing is the same at all distances.
+    double sums[6] = {}, counts[6] = {};
+    auto chord = [&](std::size_t k) {
+      Vec3d d = x[k + 1] - x[k];
+      if (network)
+        for (double* c : {&d.x, &d.y, &d.z}) *c -= periodic * std::round(*c / periodic);
+      return (1.0 / norm(d)) * d;
+    };
+    for (std::size_t f = 0; f + 40 <= x.size(); f += 40)
+      for (std::size_t k = 0; k < 34; ++k)
+        for (std::size_t apart = 2; apart <= 5; apart += 3) {
+          sums[apart] += dot(chord(f + k), chord(f + k + apart));
+          counts[apart] += 1;
+        }
+    const double found = 3 * T / (std::log(sums[2] / counts[2]) - std::log(sums[5] / counts[5]));
+    EXPECT_NEAR(found / (times * asked), 1.0, 0.15) << name << " " << asked;
+  }
+}
+
+TEST(Scenes, AKnitThatIsClosedFitsItsSegmentsToItsChords) {
+  const Folder folder;
+  expectDone(run(folder,
+                 "-scene knit -knit_periodic -knit_width 150 -knit_loops 2 -knit_courses 4 -pair "
+                 "none -ts_max_steps 0 -state_output s.h5"));
+  const auto x = readVectors(folder / "s.h5", "/state/position");
+  const auto segments = static_cast<double>(x.size() / 4);
+  EXPECT_LT(std::abs(norm(x[1] - x[0]) / T - 1.0) * segments, 0.5);
+}
+
 }  // namespace

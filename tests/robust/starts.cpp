@@ -462,6 +462,18 @@ TEST(Starts, TheDeepestOverlapIsFoundWhateverStandsBeforeIt) {
                   {"fibre 2 segment 7", "fibre 3 segment 0"});
 }
 
+TEST(Starts, CoordinatesWithTooFewDigitsAreRefused) {
+  const Folder folder;
+  for (const double far : {1e9, 1e13}) {
+    writeState(folder / "in.h5", {straightFibre({far, 0, 0}, {0, 1, 0}, 4)});
+    const auto outcome = run(folder, start + "-pair none -ts_max_steps 1", 2);
+    if (far < 1e10)
+      expectDone(outcome);
+    else
+      expectRefused(outcome, {"reach to 1e+13 A", "too few digits"});
+  }
+}
+
 TEST(Starts, SumsOfForcesThatNoIntegerHoldsAreRefused) {
   // All fibres of a bundle within each other: those at its rim are pushed by all others.
   const Folder folder;

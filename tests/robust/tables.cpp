@@ -85,8 +85,8 @@ TEST(Tables, EverySpellingOfAViewerIsSafe) {
   const std::vector<std::string> foreign{
       "mine\n", "\nnotes of ten years\n", "# mine\nstep,a\n0,1\n", "\r\n", "#", "\n"};
   const std::vector<std::string> viewers{"ascii:t.csv",         ":t.csv",
-                                         "ascii:t.csv:default", "ascii:t.csv:default:append",
-                                         "ascii:t.csv::append", ":./t.csv::write"};
+                                         "ascii:t.csv:default", "ascii:t.csv:default:write",
+                                         "ascii:t.csv::write",  ":./t.csv::write"};
   for (std::size_t k = 0; k < viewers.size(); ++k) {
     const std::string& viewer = viewers[k];
     SCOPED_TRACE(viewer);
@@ -113,7 +113,8 @@ TEST(Tables, ViewersThatHoldNoTableAreRefused) {
            {"t.csv", "as in ascii:t.csv"},
            {"xascii:t.csv", "ascii or draw"},
            {"ascii:a:b.csv", "no ':' in the name"},
-           {"ascii:t.csv:default:read", "write or append"},
+           {"ascii:t.csv:default:read", "by write"},
+           {"ascii:t.csv::append", "by write"},
            {"ascii:t.csv:default:write:more", "no ':' in the name"},
            {"ascii:t.csv.gz", "not compressed"}}) {
     SCOPED_TRACE(viewer);
@@ -549,6 +550,16 @@ TEST(SnapshotFiles, NamesThatNoIndexCanHoldAreRefused) {
        {"'a:b'", "'a|b'", "' a'", "'a\nb'", "'a\x01z'", "'a\xffz'", "'\xed\xa0\x80'", "sub/"})
     expectRefused(run(folder, weave + "-ts_max_steps 3 -snapshot_file " + name, 1),
                   {"-snapshot_file"});
+}
+
+TEST(Tables, ThatBeganAtARestartMayChangeTheirIntervalThere) {
+  const Folder folder;
+  expectDone(run(folder, weave + "-ts_max_steps 20 -checkpoint_file a.h5"));
+  const std::string on = "-restart a.h5 -energy_monitor ascii:b.csv ";
+  expectDone(run(folder, on + "-monitor_interval 10 -ts_max_steps 25"));
+  expectDone(run(folder, on + "-overwrite -monitor_interval 5 -ts_max_steps 30"));
+  expectDone(run(folder, on + "-monitor_interval 5 -ts_max_steps 40"));
+  EXPECT_EQ(stepsIn(folder / "b.csv"), (Lines{"20", "25", "30", "35", "40"}));
 }
 
 }  // namespace

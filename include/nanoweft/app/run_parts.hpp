@@ -48,6 +48,11 @@ struct RunParts {
   EnergyAccounts accounts;
   StepLimits limits;
   std::optional<double> defaultStep;  ///< when the state chose the step
+  /// How many runs of this program the state has gone through before: each draws its own numbers.
+  std::int64_t stage = 0;
+  static constexpr const char* stageName = "stage";
+  /// -seed, for draws that a later stage must not repeat. Those of critical strains must stay.
+  std::uint64_t stageSeed() const;
   double stepBefore = 0;              ///< of the checkpoint, where the step is new
   std::vector<std::string> warnings;  ///< of the start
 
@@ -66,6 +71,7 @@ struct RunParts {
   void perturb();
   void refuseOverlap() const;
   /// Refuses a start with fibres inside walls.
+  void findStage();
   void refuseLargeSums() const;
   void lookAtLinks();
   void refuseInWalls() const;

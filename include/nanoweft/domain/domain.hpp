@@ -76,5 +76,7 @@ class Domain {
 /// would not be unique: less than twice what reaches farthest. `what` names that in the message,
 /// `length` its unit.
 void requireWideBox(const Box& box, double least, const char* what, const char* length);
+/// Throws InputError where a segment has a coordinate beyond `most`. Collective.
+void requireNear(const State& state, double most, const char* length);
 
 }  // namespace nanoweft

@@ -41,6 +41,10 @@ struct Boundary {
   double stepFactor(double time, double h) const {
     if (program && h > 0)
       return (program->strain(time + 2.0 * h) - program->strain(time)) / (2.0 * h);
+    // The mean over the step, which is the middle's unless the ramp ends in it.
+    const double left = start + ramp - time;
+    if (ramp > 0 && h > 0 && left > 0 && left < 2.0 * h)
+      return 1.0 - left * left / (4.0 * ramp * h);
     return factor(time + h);
   }
   /// Where the centre is; there must be one.

@@ -27,6 +27,9 @@ inline Residual residualOf(const State& state, const Boundaries& boundaries, int
   return residual;
 }
 
+/// Does a load grow still, or a wall move that will stop? Then no state is the last one.
+bool stillDriven(const State& state, const ForceField& forces, const Boundaries& boundaries);
+
 /// The largest force, or torque over segment length, on any segment. Collective.
 double largestResidual(const State& state, const ForceField& forces, const Boundaries& boundaries);
 

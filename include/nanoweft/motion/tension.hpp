@@ -29,9 +29,10 @@ struct Tension {
   double gage = 0;                            ///< distance between the grips at the start
   double start = 0;                           ///< time of the start of this stage
   double before = 0;                          ///< strain at that time, reached in earlier stages
-  bool fresh = false;    ///< a test of its own, whatever the state has gone through
-  bool lateral = false;  ///< the lateral strain is wanted
-  double spread = 0;     ///< spreadAcross at the start, where that is wanted
+  bool fresh = false;     ///< a test of its own, whatever the state has gone through
+  bool lateral = false;   ///< the lateral strain is wanted
+  const char* unit = "";  ///< of lengths, for messages
+  double spread = 0;      ///< spreadAcross at the start, where that is wanted
 
   /// Direction of the width: y in a test along x, else x.
   int across() const { return axis == 0 ? 1 : 0; }

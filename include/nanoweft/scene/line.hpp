@@ -14,6 +14,7 @@ struct Line {
   std::vector<Vec3d> points = {};
   bool closed = false;   ///< the last segment is bonded to the first
   Vec3d round{0, 0, 0};  ///< displacement after one round of a line that closes through the box
+  std::vector<Vec3d> axes = {};  ///< of its segments; empty: they follow from the points
 };
 
 /// A place for each value of a parameter, along which the place moves about as fast.

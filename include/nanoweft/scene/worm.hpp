@@ -30,7 +30,7 @@ inline constexpr int wormTrials = 2000;
 std::optional<Line> growWorm(Crowd& crowd, const Box& box, const Worm& worm,
                              const std::function<bool(const LaidPiece&)>& taken);
 
-/// Reads -NAME_persistence. Throws InputError below five segments.
+/// Reads -NAME_persistence. Throws InputError below twelve segments.
 double readPersistence(OptionSection& section, const std::string& scene,
                        const SceneContext& context);
 
