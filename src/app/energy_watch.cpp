@@ -18,7 +18,8 @@ class EnergyWatch : public Observer {
   explicit EnergyWatch(const ObserverContext& context)
       : units_(context.units),
         alarm_(context.settings.energyAlarm),
-        dt_(context.settings.dt),
+        // A minimiser chooses its steps itself.
+        dt_(context.settings.minimises() ? std::nullopt : context.settings.dt),
         booked_(context.boxDrive ? context.boxDrive.interval() : 1),
         thermostat_(context.settings.thermostat) {}
 
@@ -51,6 +52,12 @@ class EnergyWatch : public Observer {
     return looks(moment) ? View::energies : View::positions;
   }
   void observe(const Moment& moment) override;
+  void finish(const Moment& moment) override {
+    // A run that goes on from here does not look at this step.
+    const double before = available_;
+    if (moment.energies) judge(moment);
+    available_ = before;
+  }
 
   /// What a thermostat has brought in while it took as much out: kT/2 in each component of
   /// velocity and spin, 2 gamma times a unit of time.
@@ -59,6 +66,8 @@ class EnergyWatch : public Observer {
     return 6.0 * thermostat_->thermal * thermostat_->damping * (moment.state().time - start_.time) *
            static_cast<double>(moment.state().total());
   }
+
+  void judge(const Moment& moment);
 
  private:
   static constexpr const char* name = "energy_watch";
@@ -69,11 +78,7 @@ class EnergyWatch : public Observer {
   static void requireSums(const Moment& moment) {
     const Energies& e = *moment.energies;
     if (std::isfinite(e.pair) || !std::isfinite(e.elastic() + e.kinetic + e.rotational)) return;
-    throw RunError(format(
-        "at step %lld forces or energies of pairs have become larger than what is summed: fibres "
-        "lie deep in each other, or -damping_viscous or -contact_friction and its stiffness are "
-        "far too large for the pair forces",
-        static_cast<long long>(moment.state().step)));
+    throw RunError(beyondSumsText(moment.state().step));
   }
 
   const UnitSystem& units_;
@@ -95,7 +100,12 @@ void EnergyWatch::observe(const Moment& moment) {
   requireSums(moment);
   if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
   // At its own steps alone: others look when the clock says so, or as often as a table asks.
-  if (alarm_ == 0 || !looks(moment)) return;
+  if (looks(moment)) judge(moment);
+}
+
+void EnergyWatch::judge(const Moment& moment) {
+  if (alarm_ == 0 || !isDue(moment, booked_)) return;
+  const Energies& e = *moment.energies;
   // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
   // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
   // motion that made it is over; a thermostat makes new motion all the time. The last term keeps

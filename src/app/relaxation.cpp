@@ -42,8 +42,9 @@ class Relaxation : public Observer {
     }
     const double elastic = moment.energies->elastic();
     const System& s = moment.system;
-    // Without any elastic energy there is nothing to judge by.
-    converged_ = last_ >= 0 && elastic > 0 && std::abs(elastic - last_) <= tolerance_ * elastic &&
+    // Without any elastic energy the motion tells whether some may come.
+    const bool tells = elastic > 0 || moment.energies->kinetic + moment.energies->rotational == 0;
+    converged_ = last_ >= 0 && tells && std::abs(elastic - last_) <= tolerance_ * elastic &&
                  !stillDriven(s.state, s.forces, s.boundaries);
     last_ = elastic;
   }

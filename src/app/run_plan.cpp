@@ -166,8 +166,8 @@ void RunPlan::refuseContradictions() const {
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   refuseBesideShear();
   if (minimises()) refuseForMinimiser();
-  // A restart has the box and the motion of its checkpoint, whatever is thought of them now.
   if (settings.relaxForce > 0) refuseWithoutRest();
+  // A restart has the box of its checkpoint, whatever is thought of it now.
   if (!checkpoint) refuseWallsAcross();
   if (settings.thermostat && settings.thermostat->kelvin > 0 &&
       (settings.relaxTolerance > 0 || settings.relaxForce > 0))

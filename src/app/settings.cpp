@@ -185,7 +185,10 @@ RunSettings readRunSettings(Options& options, const UnitSystem& units, bool pair
   r.dt =
       run.as(Role::step)
           .maybeReal(
-              "ts_dt", "20 fs for cnt_10_10, else 0.4 of the stable step", units.time,
+              "ts_dt",
+              "20 fs for cnt_10_10, else 0.4 of the stable step, 0.8 of that of pressed fibres at "
+              "most",
+              units.time,
               "time step; the longest with -relax_method fire (by default from the stable limit)",
               positive);
   r.stepper = readStepper(run);

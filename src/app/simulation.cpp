@@ -350,6 +350,9 @@ void Simulation::sync() {
 void Simulation::writeCheckpoint(const std::string& file) {
   const LogScope log(fileEvent_);
   const double begin = secondsSinceStart();
+  // A checkpoint must not hold forces of which a part was left out.
+  agree<RunError>(system_.state.comm(),
+                  system_.forces.beyondSums() ? beyondSumsText(system_.state.step) : "");
   // Tables reach the disk before the checkpoint does, since a restart expects their rows.
   sync();
   writeState(file, system_.state, parts_->plan->units, fullRecord(checkpointPurpose));

@@ -198,15 +198,24 @@ bool beginsPetscOptions(const std::string& word) {
   return std::ranges::any_of(petscPrefixes, [&](std::string_view p) { return word + "_" == p; });
 }
 
-void checkPrefixes(const char* option, const char* thing, const std::vector<std::string>& names) {
+void checkPrefixes(const char* option, const char* thing, const std::vector<std::string>& names,
+                   bool joined) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    const bool fits = std::isalpha(static_cast<unsigned char>(name[0])) &&
-                      std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c); });
+    // PETSc finds -a_velocity for -a_1_velocity.
+    const auto follows = [&](std::size_t k) {
+      const auto c = static_cast<unsigned char>(name[k]);
+      if (joined && c == '_')
+        return k + 1 < name.size() && std::isalpha(static_cast<unsigned char>(name[k + 1])) != 0;
+      return std::isalnum(c) != 0;
+    };
+    bool fits = std::isalpha(static_cast<unsigned char>(name[0]));
+    for (std::size_t k = 1; k < name.size(); ++k) fits = fits && follows(k);
     if (!fits)
       throw InputError(
-          format("%s: '%s' cannot name %s; a name is a letter and then letters or digits", option,
-                 name.c_str(), thing));
+          format("%s: '%s' cannot name %s; a name is a letter and then letters or "
+                 "digits%s",
+                 option, name.c_str(), thing, joined ? ", or _ with a letter behind it" : ""));
     // PETSc tells no capital from a small letter in the names of options.
     std::string small = name;
     std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });

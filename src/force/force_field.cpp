@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "nanoweft/base/error.hpp"
 #include "nanoweft/base/huge_pages.hpp"
 #include "nanoweft/base/log.hpp"
 #include "nanoweft/base/threads.hpp"
@@ -65,6 +66,14 @@ ForceUnits unitsOfViscousSums(const ForceField::Settings& settings) {
 }
 
 }  // namespace
+
+std::string beyondSumsText(std::int64_t step) {
+  return format(
+      "at step %lld forces or energies of pairs have become larger than what is summed: fibres lie "
+      "deep in each other, or -damping_viscous or -contact_friction and its stiffness are far too "
+      "large for the pair forces",
+      static_cast<long long>(step));
+}
 
 ForceField::ForceField(Settings settings, const Box& box)
     : settings_(std::move(settings)),

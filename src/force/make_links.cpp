@@ -88,7 +88,7 @@ void makeLinksOf(int kind, State& state, const ForceField& forces, const UnitSys
   const double share = law.density * sums[1] / std::max(1.0, sums[0]);
   if (share > 1.0)
     throw InputError(
-        format("-links_density %g: there are only %.0f pairs of segments within "
+        format("-links_density %g: there are only %.0f pairs of segments without a link within "
                "-links_distance %g, so %.3g 1/%s at most",
                law.density, sums[0], law.distance, sums[0] / sums[1], units.length));
   Links mine;

@@ -90,7 +90,7 @@ void Boundaries::readNamed(Options& options, const UnitSystem& units) {
   s.document("NAME_torque", "0,0,0", units.energy, "torque on each member");
   s.document("NAME_ramp", "0", units.time,
              "velocity, spin, force and torque grow linearly for this long");
-  checkPrefixes("-bc", "a group", names);
+  checkPrefixes("-bc", "a group", names, true);
   for (const std::string& name : names) {
     if (strncasecmp(name.c_str(), "tension", 7) == 0)
       throw InputError("-bc " + name +

@@ -101,11 +101,11 @@ double tightest(const std::vector<Line>& lines, const Clearance& clearance) {
 }
 
 int pointsToLookAt(double length, double chord, double lines, const std::string& option) {
-  constexpr double most = 1e6;  // a minute
+  constexpr double most = 4e6;  // minutes
   const double points = std::floor(length / chord) + 3;
   if (lines * points > most)
     throw InputError(
-        format("%s: a repeat of the pattern would have %.3g segments, too many to look "
+        format("%s: the fibres of a repeat would have %.3g segments, too many to look "
                "for overlaps; at most %g",
                option.c_str(), lines * points, most));
   return static_cast<int>(points);

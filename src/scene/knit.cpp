@@ -116,18 +116,19 @@ std::unique_ptr<Scene> makeKnitScene(Options& options, const SceneContext& conte
   deepen(knit, context.kinds.shortest(), unit);
   const double length = knit.loopLength() * knit.loops;
   auto countOf = [&](double T) {
-    const int count = std::max(3, static_cast<int>(std::lround(length / T)));
-    if (!knit.periodic || count == 3) return count;
-    // Chords are shorter than arcs: one segment less may fit better.
-    auto strain = [&](int n) {
+    int count = std::max(3, static_cast<int>(std::lround(length / T)));
+    if (!knit.periodic) return count;
+    // Chords are shorter than arcs, so fewer of them go around.
+    for (int trial = 0; trial < 3; ++trial) {
       double chord = T;
-      walkAround(knit.fibre(0, 0.0), knit.span(), n, chord);
-      return std::abs(chord / T - 1.0);
-    };
-    return strain(count - 1) < strain(count) ? count - 1 : count;
+      walkAround(knit.fibre(0, 0.0), knit.span(), count, chord);
+      count = std::max(3, static_cast<int>(std::lround(count * chord / T)));
+    }
+    return count;
   };
   std::map<double, int> counts;  // by length of a segment
-  for (const Fibre& fibre : context.kinds) counts[fibre.length] = countOf(fibre.length);
+  for (std::int64_t f = 0; f < laying.fibres; ++f)
+    if (const double T = mix->fibre(f).length; !counts.contains(T)) counts[T] = countOf(T);
   laying.segments = [=](std::int64_t f) { return counts.at(mix->fibre(f).length); };
   laying.line = [=, segments = laying.segments](std::int64_t f) {
     double T = mix->fibre(f).length;

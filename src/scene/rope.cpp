@@ -84,6 +84,11 @@ std::vector<int> readPlies(OptionSection& s) {
 /// other, and widens it until no fibres overlap, from the innermost level outwards.
 Rope layOut(const std::vector<int>& plies, const std::vector<double>& lays, const KindMix& mix) {
   const double gap = mix.widest(), chord = mix.all().shortest();
+  // Before the inner levels take their time.
+  double fibres = 1;
+  for (const int n : plies) fibres *= n;
+  for (const double lay : lays)
+    pointsToLookAt(1.2 * std::abs(lay), chord, fibres, format("-rope_lay %g", lay));
   Rope rope;
   rope.step = 0.01 * gap;
   for (std::size_t l = plies.size(); l-- > 0;) {

@@ -165,10 +165,12 @@ std::optional<Line> growWorm(Crowd& crowd, const Box& box, const Worm& worm,
 double readPersistence(OptionSection& section, const std::string& scene,
                        const SceneContext& context) {
   const std::string option = scene + "_persistence";
-  const double persistence = section
-                                 .maybeReal(option, "straight", context.units.length,
-                                            "persistence length of worm-like fibres", positive)
-                                 .value_or(0.0);
+  const double persistence =
+      section
+          .maybeReal(option, "straight", context.units.length,
+                     "persistence length of worm-like fibres, of twelve segments at least",
+                     positive)
+          .value_or(0.0);
   if (persistence > 0 && persistence < leastPersistence * context.kinds.longest())
     throw InputError(
         format("-%s %g: shorter than twelve segments of %g %s, which would bend too "

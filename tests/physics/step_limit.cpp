@@ -245,6 +245,13 @@ TEST(StepLimit, TheEnergyAlarmGoesOnInARestart) {
   watch(options + "300");
   ASSERT_EQ(whole.size(), 6u);
   EXPECT_EQ(watch("-restart c.h5 -checkpoint_file c.h5 -ts_max_steps 600"), whole);
+  // A minimiser's steps are its own.
+  const std::string fire =
+      "-scene weave -weave_fibres 4,4 -weave_segments 20 -relax_method fire -ts_dt 20 -overwrite "
+      "-checkpoint_file c.h5 -ts_max_steps ";
+  const auto relaxed = watch(fire + "300");
+  watch(fire + "30");
+  EXPECT_EQ(watch("-restart c.h5 -checkpoint_file c.h5 -ts_max_steps 300"), relaxed);
   // Whoever goes on with another step judges that one from there.
   watch(options + "300");
   const auto anew = watch("-restart c.h5 -checkpoint_file c.h5 -ts_dt 10 -ts_max_steps 600");

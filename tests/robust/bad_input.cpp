@@ -447,7 +447,7 @@ const std::vector<Case> cases = {
      fibre + held + "-hold_fix 1,0,1 -hold_velocity 0,1e-4,0",
      {"-hold_velocity", "y component", "-hold_fix"}},
     {"BraidTooLongToLookAt", "-scene braid -braid_lay 1e9", {"-braid_lay 1e+09", "too many"}},
-    {"RopeTooLongToLookAt", "-scene rope -rope_lay 1e9,-1e8", {"-rope_lay 1e+08", "too many"}},
+    {"RopeTooLongToLookAt", "-scene rope -rope_lay 1e9,-1e8", {"-rope_lay 1e+09", "too many"}},
     {"RopeTooWideToLookAt", "-scene rope -rope_gap 1e6", {"-rope_lay", "too many"}},
     {"KnitTooWideToLookAt", "-scene knit -knit_width 1e8", {"-knit_width 1e+08", "too many"}},
     {"OpenRingOfOneWinding",

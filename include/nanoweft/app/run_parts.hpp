@@ -70,10 +70,12 @@ struct RunParts {
   void checkStart();
   void perturb();
   void refuseOverlap() const;
-  /// Refuses a start with fibres inside walls.
   void findStage();
+  /// Refuses a start whose pair forces are too large for the sums of ForceField.
   void refuseLargeSums() const;
+  /// Keeps a warning for the header where a link is far from its rest.
   void lookAtLinks();
+  /// Refuses a start with fibres inside walls.
   void refuseInWalls() const;
   void chooseStep();
   double defaultTimeStep();

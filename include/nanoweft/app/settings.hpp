@@ -22,8 +22,9 @@ struct RunSettings {
   std::optional<double> maxTime;
   std::optional<double> wallTime;        ///< seconds since the program's start
   const StepperKind* stepper = nullptr;  ///< -relax_method
-  double relaxTolerance = 0;             ///< 0: does not end the run
-  double relaxForce = 0;                 ///< 0: does not end the run
+  bool minimises() const { return stepper && stepper->minimises; }
+  double relaxTolerance = 0;  ///< 0: does not end the run
+  double relaxForce = 0;      ///< 0: does not end the run
   long relaxInterval = 5000;
   std::optional<double> fireMaxMove;
 

@@ -126,8 +126,10 @@ class OptionPrefix {
 bool beginsPetscOptions(const std::string& word);
 
 /// Throws InputError for names of things (a kind of fibre, a wall) that cannot begin the names of
-/// their options, or that are given twice. `option`: what lists them.
-void checkPrefixes(const char* option, const char* thing, const std::vector<std::string>& names);
+/// their options, or that are given twice. `option`: what lists them. `joined`: letters may follow
+/// an underscore, which the names of two kinds could not have.
+void checkPrefixes(const char* option, const char* thing, const std::vector<std::string>& names,
+                   bool joined = false);
 
 class OptionSection {
  public:

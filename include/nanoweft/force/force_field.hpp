@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "nanoweft/domain/domain.hpp"
@@ -41,6 +42,9 @@ struct ForceRequest {
   /// energies or friction, which cannot be evaluated again.
   Agreement* agreement = nullptr;
 };
+
+/// What to say where ForceField::beyondSums is true.
+std::string beyondSumsText(std::int64_t step);
 
 class ForceField {
  public:
@@ -97,6 +101,8 @@ class ForceField {
   /// called after an evaluation, before segments move.
   ExactSum flow(State& state) const;
   std::int64_t pairsResolved() const { return resolved_; }
+  /// Have sums of forces on some segment of this rank been out of the integers' range?
+  bool beyondSums() const { return beyondSums_; }
 
  private:
   friend class ForcePass;
