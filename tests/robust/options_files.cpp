@@ -162,6 +162,16 @@ const std::vector<Case> badFiles = {
     {"YamlOfItself", "a: &a\n  b: *a\n", {"run.yaml: line ", "contain themselves"}, "run.yaml"},
     {"YamlUnknownAnchor", "a: *b\n", {"run.yaml: line 1"}, "run.yaml"},
     {"YamlInclude", "$$x: !include no.yaml\n", {"run.yaml: line 1", "options_file"}, "run.yaml"},
+    {"YamlMapsOfMaps",
+     [] {
+       std::string text = "a0: &a0 {}\n";
+       for (int k = 1; k <= 40; ++k)
+         text += std::string("a") + std::to_string(k) + ": &a" + std::to_string(k) + " {<<: [*a" +
+                 std::to_string(k - 1) + ", *a" + std::to_string(k - 1) + "]}\n";
+       return text;
+     }(),
+     {"run.yaml: line ", "maps are merged"},
+     "run.yaml"},
     {"YamlMissingNested", "options_file: no.opts\n", {"run.yaml: line 1", "no.opts"}, "run.yaml"},
 };
 
@@ -203,6 +213,15 @@ TEST_P(OptionFilesOnRanks, YamlInAPipeIsReadToo) {
   EXPECT_EQ(
       energies(run(folder, "-options_file_yaml /dev/stdin" + rest + "< run.yaml", GetParam())),
       wanted());
+}
+
+TEST_P(OptionFilesOnRanks, AFileEndsNoPrefixOfTheFileThatNamesIt) {
+  const Folder folder;
+  writeText(folder / "run.opts",
+            "-scene fibre\n-prefix_push fibre_\n-options_file more.opts\n-segments 5\n");
+  writeText(folder / "more.opts", "-strain 0.01\n-prefix_pop\n");
+  expectRefused(run(folder, "-options_file run.opts" + rest, GetParam()),
+                {"more.opts: line 2", "-prefix_pop"});
 }
 
 TEST_P(OptionFilesOnRanks, ErrorsOfFilesComeOnce) {

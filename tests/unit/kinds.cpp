@@ -125,6 +125,34 @@ TEST(Kinds, LawsBetweenKindsAreMeansOfTheirOwn) {
   EXPECT_NE(between.find("lambda 7 "), std::string::npos) << between;
 }
 
+TEST(Kinds, TheStiffnessOfSurfacesBetweenThemIsThatOfTheirLawUnlessBothHaveOneOfTheirOwn) {
+  // 120 gamma/s^2 with the mean gap 4.5, A/(pi g^4) with the mean gap 4; not the means of the two.
+  auto between = [](const std::string& laws) {
+    return readAll("-kinds a,b " + laws).pairs.between(0, 1)->description();
+  };
+  const std::string hydrogen =
+      "-pair hydrogen -hydrogen_energy 0.01 -a_a_hydrogen_gap 3 -b_b_hydrogen_gap 6 ";
+  EXPECT_NE(between(hydrogen).find("stiffness 0.059259 "), std::string::npos);
+  EXPECT_NE(between(hydrogen + "-a_a_hydrogen_stiffness 0.5").find("stiffness 0.059259 "),
+            std::string::npos);
+  EXPECT_NE(between(hydrogen + "-a_a_hydrogen_stiffness 0.4 -b_b_hydrogen_stiffness 0.9")
+                .find("stiffness 0.6 "),
+            std::string::npos);
+  EXPECT_NE(between("-pair hamaker -hamaker_constant 0.4 -pair_gap_cutoff 60 -a_a_hamaker_gap 3 "
+                    "-b_b_hamaker_gap 5")
+                .find("stiffness 0.00049736 "),
+            std::string::npos);
+}
+
+TEST(Kinds, FrictionThatBothHaveHoldsBetweenThem) {
+  const Read read = readAll(
+      "-kinds a,b -pair contact -contact_modulus 20 -a_a_contact_friction 0.5 "
+      "-b_b_contact_friction 0.5 -contact_restitution 0.7");
+  const std::string between = read.pairs.between(0, 1)->description();
+  EXPECT_NE(between.find("friction 0.5, "), std::string::npos) << between;
+  EXPECT_NE(between.find("restitution 0.7"), std::string::npos) << between;
+}
+
 TEST(Kinds, WhatIsChosenWithinBothKindsHoldsBetweenThem) {
   const Read kink = readAll("-kinds a,b -a_a_vdw_splice kink -b_b_vdw_splice kink");
   EXPECT_NE(kink.pairs.between(0, 1)->description().find("vdw kink"), std::string::npos);

@@ -22,9 +22,8 @@ struct RunSettings {
   std::optional<double> maxTime;
   std::optional<double> wallTime;        ///< seconds since the program's start
   const StepperKind* stepper = nullptr;  ///< -relax_method
-  bool minimises() const { return stepper && stepper->minimises; }
-  double relaxTolerance = 0;  ///< 0: does not end the run
-  double relaxForce = 0;      ///< 0: does not end the run
+  double relaxTolerance = 0;             ///< 0: does not end the run
+  double relaxForce = 0;                 ///< 0: does not end the run
   long relaxInterval = 5000;
   std::optional<double> fireMaxMove;
 
@@ -46,6 +45,8 @@ struct RunSettings {
   long snapshotInterval = 0, checkpointInterval = 0;
   bool stateForces = false;
   bool overwrite = false;  ///< results of other runs may be replaced
+
+  bool minimises() const { return stepper && stepper->minimises; }
 };
 
 /// Reads -restart, the checkpoint to go on from (empty: a new run). To be read before all others,
