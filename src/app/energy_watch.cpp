@@ -55,7 +55,7 @@ class EnergyWatch : public Observer {
   void finish(const Moment& moment) override {
     // A run that goes on from here does not look at this step.
     const double before = available_;
-    if (moment.energies) judge(moment);
+    if (moved_ && moment.energies) judge(moment);
     available_ = before;
   }
 
@@ -90,11 +90,13 @@ class EnergyWatch : public Observer {
   struct {
     double balance, own, external, pair, time;
   } start_{};
+  bool moved_ = false;    ///< has it made a step?
   bool goesOn_ = false;   ///< a restart that has what the run started with
   double available_ = 0;  ///< most energy so far that could turn into motion
 };
 
 void EnergyWatch::observe(const Moment& moment) {
+  moved_ = true;
   if (!moment.energies) return;
   const Energies& e = *moment.energies;
   requireSums(moment);

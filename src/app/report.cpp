@@ -49,9 +49,15 @@ void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
   if (f.viscosity)
     PetscPrintf(comm, "  %sinternal viscosity: retardation times up to %g %s\n", ofKind(f).c_str(),
                 f.retardation, units.time);
-  if (f.yield)
-    PetscPrintf(comm, "  %sflows beyond a strain of %.4g and an angle of %.4g rad a bond\n",
-                ofKind(f).c_str(), f.yield.stretch / f.length, f.yield.angle);
+  if (f.yield) {
+    std::string beyond;
+    if (std::isfinite(f.yield.stretch))
+      beyond = format("a strain of %.4g", f.yield.stretch / f.length);
+    if (std::isfinite(f.yield.angle))
+      beyond +=
+          format("%san angle of %.4g rad a bond", beyond.empty() ? "" : " and ", f.yield.angle);
+    PetscPrintf(comm, "  %sflows beyond %s\n", ofKind(f).c_str(), beyond.c_str());
+  }
   if (!f.curved()) return;
   const std::string shape = format("  %srest shape: twist %g, curvature %g and %g 1/%s\n",
                                    ofKind(f).c_str(), f.rest.x, f.rest.y, f.rest.z, units.length);

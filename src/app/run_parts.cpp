@@ -397,7 +397,9 @@ void RunParts::chooseStep() {
   if (judged && !(limits.present > 0) && !plan->minimises())
     throw InputError(
         "the stable step cannot be estimated: something (a contact, a link, a wall) is more than "
-        "1e5 times as stiff as the bonds of the fibres (or -ts_dt_unsafe)");
+        "1e5 times as stiff as the bonds of the fibres, or a parameter is out of all proportion "
+        "(or "
+        "-ts_dt_unsafe)");
   if (judged && limits.present > 0 && dt > limits.present)
     throw InputError(
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "

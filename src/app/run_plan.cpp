@@ -106,6 +106,8 @@ void RunPlan::refuseForMinimiser() const {
     if (norm(w.velocity) > 0 || w.spin != 0 || w.driven() || w.friction)
       throw InputError(method + ": the wall " + w.name + " must stand still, without friction");
   if (boxDrive) throw InputError(method + ": the box must be held, without -deform_x, _y, _z");
+  if (kinds.viscous())
+    throw InputError(method + ": it has no viscosity; leave out -fibre_retardation");
   if (pairs.rubs())
     throw InputError(method +
                      ": it has no friction; leave out -contact_friction and "

@@ -108,7 +108,12 @@ void readKink(OptionSection& s, const UnitSystem& units, Fibre& f) {
         "(-fibre_kink_curvature)");
   if (!curvature) return;
   // |e1_i - e1_j| of two axes that are turned by T times the curvature.
-  f.kink.angle = 2.0 * std::sin(0.5 * std::min(*curvature * f.length, 3.0));
+  if (const double angle = *curvature * f.length; angle > 3.0)
+    throw InputError(
+        format("-fibre_kink_curvature %g: a bond of %g %s would bend by %.3g rad before "
+               "it kinks; at most 3",
+               *curvature, f.length, units.length, angle));
+  f.kink.angle = 2.0 * std::sin(0.5 * *curvature * f.length);
   f.kink.taken = (1.0 - residual) * f.bendingOfBond();
 }
 

@@ -37,6 +37,9 @@ FrictionLaw readFriction(const PairReader& read, OptionSection& s, const Frictio
   law.restitution = real(
       "contact_restitution", usual.restitution,
       "speed after a collision of two segments over that before it; 1: not damped", {0.0, 1.0});
+  const bool alone = read.prefix.empty() && read.is("contact");
+  if (alone && law.mu == 0 && s.given("contact_tangential"))
+    throw InputError("-contact_tangential: not used by this run, which has no -contact_friction");
   law.mass = read.a.mass * read.b.mass / (read.a.mass + read.b.mass);
   return law;
 }

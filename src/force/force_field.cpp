@@ -70,8 +70,8 @@ ForceUnits unitsOfViscousSums(const ForceField::Settings& settings) {
 std::string beyondSumsText(std::int64_t step) {
   return format(
       "at step %lld forces or energies of pairs have become larger than what is summed: fibres lie "
-      "deep in each other, or -damping_viscous or -contact_friction and its stiffness are far too "
-      "large for the pair forces",
+      "deep in each other, -damping_viscous or -contact_friction and its stiffness are far too "
+      "large for the pair forces, or a parameter is out of all proportion",
       static_cast<long long>(step));
 }
 

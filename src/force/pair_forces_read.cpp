@@ -112,6 +112,17 @@ std::vector<std::string> rangedLaws(const PairReader& read) {
 }
 
 /// The range by -pair_..., meant for the only law that has one.
+}  // namespace
+
+void requireRange(const std::optional<double>& distance, const PairReader& read,
+                  const std::string& name) {
+  if (const double most = 1e9 * read.touch(); distance && *distance > most)
+    throw InputError(format("-%s: forces that reach to %g %s; at most %g", name.c_str(), *distance,
+                            read.units.length, most));
+}
+
+namespace {
+
 GivenRange readRange(const PairReader& read) {
   const char* unit = read.units.length;
   const bool kinds = !read.a.kind.empty();
@@ -132,7 +143,9 @@ GivenRange readRange(const PairReader& read) {
         gap.maybeReal(gapName, shownGap.c_str(), unit,
                       format("the same as a gap between surfaces: %s", what).c_str(), positive);
     if (whole && part) throw InputError(format("-%s, -%s: give one of the two", name, gapName));
-    return whole ? whole : part ? std::optional(read.touch() + *part) : std::nullopt;
+    const auto distance = whole ? whole : part ? std::optional(read.touch() + *part) : std::nullopt;
+    requireRange(distance, read, whole ? name : gapName);
+    return distance;
   };
   GivenRange range;
   range.from = place("pair_switch", "pair_gap_switch", 4, "distance where the switch-off begins");

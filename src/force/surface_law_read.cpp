@@ -116,6 +116,7 @@ GivenRange readOwnRange(const PairReader& read, const std::string& law, const Gi
     if (gap && all)
       throw InputError(format("%s, %s: give one of the two", read.option(name).c_str(),
                               read.option(whole).c_str()));
+    if (gap) requireRange(read.touch() + *gap, read, name);
     return gap ? read.touch() + *gap : all;
   };
   GivenRange range;

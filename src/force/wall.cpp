@@ -127,6 +127,11 @@ class WallReader {
     }
     w.friction.mu = real("_friction", 0.0, coefficientBounds);
     w.friction.restitution = real("_restitution", 1.0, {0.0, 1.0});
+    const bool slides = w.shape == Wall::plane && norm(w.velocity) > 0 &&
+                        std::abs(dot(w.velocity, w.axis)) <= 1e-12 * norm(w.velocity);
+    if (slides && w.friction.mu == 0)
+      throw InputError(option("_velocity") + ": not used by this run: a plane without " +
+                       option("_friction") + " that slides in itself drags nothing along");
     if (w.spin != 0 && w.friction.mu == 0)
       throw InputError(option("_spin") + ": not used by this run: a wall without " +
                        option("_friction") + " drags nothing along");

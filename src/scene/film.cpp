@@ -253,6 +253,8 @@ FilmOptions readFilm(OptionSection& s, const SceneContext& context) {
                p.bundle));
   p.slope = s.real("film_slope", 0.2, "", "steepness at which a fibre comes down behind a crossing",
                    {0.0, 0.5});
+  if (p.layers > 0 && s.given("film_slope"))
+    throw InputError("-film_slope: not used by this run, whose fibres lie flat (-film_layers)");
   p.periodic = s.flag("film_periodic", true, "periodic in x and y; else fibres jut out");
   return p;
 }
@@ -280,8 +282,11 @@ std::unique_ptr<Scene> makeFilmScene(Options& options, const SceneContext& conte
   if (use != SceneUse::start) return nullptr;
   mix->prepare(context);
   const double area = p.size[0] * p.size[1];
-  const std::int64_t fibres =
-      p.fibres ? *p.fibres : std::max(1L, std::lround(p.coverage * area / mix->shadow(p.segments)));
+  const double wanted = p.coverage * area / mix->shadow(p.segments);
+  if (!p.fibres && !(wanted > 0.5 && wanted < 1e8))
+    throw InputError(
+        format("-film_coverage %g: would take %.3g fibres; from 1 to 1e8", p.coverage, wanted));
+  const std::int64_t fibres = p.fibres ? *p.fibres : std::lround(wanted);
   requireMemory(context.comm, fibres * p.segments, sizeof(Vec3d) + sizeof(LaidPiece));
   mix->draw(fibres);
   Box box;

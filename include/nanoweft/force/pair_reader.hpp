@@ -55,6 +55,10 @@ struct GivenRange {
 GivenRange readOwnRange(const PairReader& read, const std::string& law, const GivenRange& common,
                         Both<const char*> shown);
 
+/// Throws InputError for a distance of axes that no table could span. `name`: of its option.
+void requireRange(const std::optional<double>& distance, const PairReader& read,
+                  const std::string& name);
+
 /// Resting distance of two fibres in units of lambda; with the paper's parameters, the paper's
 /// rounded value.
 double restOf(const VdwParameters& p);
