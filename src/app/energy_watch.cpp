@@ -53,11 +53,12 @@ class EnergyWatch : public Observer {
   }
   void observe(const Moment& moment) override;
   void finish(const Moment& moment) override {
-    // A run that goes on from here does not look at this step.
-    const double before = available_;
-    if (moved_ && moment.energies) judge(moment);
-    available_ = before;
+    // A run that goes on from here does not look at this step: nothing is kept of it.
+    if (moved_ && moment.energies && judges(moment)) judge(moment, availableAt(moment));
   }
+
+ private:
+  static constexpr const char* name = "energy_watch";
 
   /// What a thermostat has brought in while it took as much out: kT/2 in each component of
   /// velocity and spin, 2 gamma times a unit of time.
@@ -66,12 +67,10 @@ class EnergyWatch : public Observer {
     return 6.0 * thermostat_->thermal * thermostat_->damping * (moment.state().time - start_.time) *
            static_cast<double>(moment.state().total());
   }
-
-  void judge(const Moment& moment);
-
- private:
-  static constexpr const char* name = "energy_watch";
-
+  /// Most energy so far that could turn into motion, with that of now.
+  double availableAt(const Moment& moment) const;
+  void judge(const Moment& moment, double available) const;
+  bool judges(const Moment& moment) const { return alarm_ != 0 && isDue(moment, booked_); }
   bool looks(const Moment& moment) const {
     return isDue(moment, (interval + booked_ - 1) / booked_ * booked_);
   }
@@ -102,22 +101,26 @@ void EnergyWatch::observe(const Moment& moment) {
   requireSums(moment);
   if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
   // At its own steps alone: others look when the clock says so, or as often as a table asks.
-  if (looks(moment)) judge(moment);
+  if (!looks(moment) || !judges(moment)) return;
+  available_ = availableAt(moment);
+  judge(moment, available_);
 }
 
-void EnergyWatch::judge(const Moment& moment) {
-  if (alarm_ == 0 || !isDue(moment, booked_)) return;
+double EnergyWatch::availableAt(const Moment& moment) const {
   const Energies& e = *moment.energies;
-  // Energy that could turn into motion: the start's own, the work done on the fibres, and what the
-  // fibres gained by coming together. The most so far counts, since Verlet's error stays when the
-  // motion that made it is over; a thermostat makes new motion all the time. The last term keeps
-  // round-off of a scene at rest from an alarm.
-  available_ = std::max(available_, start_.own + std::abs(e.external - start_.external) +
-                                        std::abs(e.pair - start_.pair) + turnedOver(moment) +
-                                        1e-9 * moment.system.forces.kinds().energyScale() *
-                                            static_cast<double>(moment.state().total()));
-  const double risen = e.balance() - start_.balance;
-  if (risen > alarm_ * available_)
+  // The start's own, the work done on the fibres, and what the fibres gained by coming together.
+  // The most so far counts, since Verlet's error stays when the motion that made it is over; a
+  // thermostat makes new motion all the time. The last term keeps round-off of a scene at rest from
+  // an alarm.
+  return std::max(available_, start_.own + std::abs(e.external - start_.external) +
+                                  std::abs(e.pair - start_.pair) + turnedOver(moment) +
+                                  1e-9 * moment.system.forces.kinds().energyScale() *
+                                      static_cast<double>(moment.state().total()));
+}
+
+void EnergyWatch::judge(const Moment& moment, double available) const {
+  const double risen = moment.energies->balance() - start_.balance;
+  if (risen > alarm_ * available)
     throwUnstable(moment, units_,
                   format(" and energy has risen by %.3g %s out of nothing", risen, units_.energy));
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "nanoweft/app/observers.hpp"
+#include "nanoweft/base/gather.hpp"
 
 namespace nanoweft {
 
@@ -30,24 +31,16 @@ void FlowWatch::look(const Moment& moment) {
   const State& state = moment.state();
   const Kinds& kinds = moment.system.forces.kinds();
   struct {
-    double strain;
-    int rank;
-  } worst{0, state.rank()};
-  struct {
     double strain = 0;
     long long fibre = 0;
     int index = 0;
   } bond;
-  for (int i = 0; i < state.owned(); ++i) {
-    const double strain = state.extension[i] / kinds[state.kind(i)].length;
-    if (std::abs(strain) <= worst.strain) continue;
-    worst.strain = std::abs(strain);
-    bond = {strain, static_cast<long long>(state.fibre[i]), state.chain[2 * i]};
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, state.comm());
-  if (worst.strain <= most) return;
+  for (int i = 0; i < state.owned(); ++i)
+    if (const double strain = state.extension[i] / kinds[state.kind(i)].length;
+        std::abs(strain) > std::abs(bond.strain))
+      bond = {strain, static_cast<long long>(state.fibre[i]), state.chain[2 * i]};
+  if (largestOfRanks(std::abs(bond.strain), bond, state.comm()) <= most) return;
   warned_ = true;
-  MPI_Bcast(&bond, sizeof bond, MPI_BYTE, worst.rank, state.comm());
   PetscPrintf(state.comm(),
               "warning: step %lld: fibre %lld flows, and its bond behind segment %d has a rest "
               "length changed by %.0f %%; contacts and energies are doubtful there\n",

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/gather.hpp"
 
 namespace nanoweft {
 
@@ -12,10 +13,7 @@ void throwUnstable(const Moment& moment, const UnitSystem& units, const std::str
   const State& state = moment.state();
   const double dt = moment.stepper.dt();
   // The fastest segment of all ranks; a NaN counts as infinitely fast.
-  struct {
-    double distance;
-    int rank;
-  } worst{-1.0, state.rank()};
+  double farthest = -1.0;
   long long segment[2] = {0, 0};
   for (int i = 0; i < state.owned(); ++i) {
     const double* v = state.velocity + 3 * i;
@@ -25,19 +23,18 @@ void throwUnstable(const Moment& moment, const UnitSystem& units, const std::str
     double distance = dt * std::max(slide, turn);
     if (!std::isfinite(slide) || !std::isfinite(turn))
       distance = std::numeric_limits<double>::infinity();
-    if (distance > worst.distance) {
-      worst.distance = distance;
+    if (distance > farthest) {
+      farthest = distance;
       segment[0] = state.fibre[i];
       segment[1] = state.chain[2 * i];
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, state.comm());
-  MPI_Bcast(segment, 2, MPI_LONG_LONG, worst.rank, state.comm());
+  farthest = largestOfRanks(farthest, segment, state.comm());
   throw RunError(
       format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s%s "
              "(stable limit when last looked at: %.4g); take a smaller -ts_dt",
-             static_cast<long long>(state.step), segment[0], segment[1], worst.distance,
-             units.length, dt, units.time, sign.c_str(), moment.limits.present));
+             static_cast<long long>(state.step), segment[0], segment[1], farthest, units.length, dt,
+             units.time, sign.c_str(), moment.limits.present));
 }
 
 }  // namespace nanoweft

@@ -8,6 +8,7 @@
 #include "nanoweft/app/accounts_record.hpp"
 #include "nanoweft/app/provenance.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/gather.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/base/threads.hpp"
 #include "nanoweft/force/make_links.hpp"
@@ -63,7 +64,6 @@ void takeRestOfKinds(State& state, const Kinds& kinds) {
   for (int i = 0; i < state.owned(); ++i) setRest(state, i, kinds[state.kind(i)].restRotation());
 }
 
-/// For each kind of link five numbers, as RunParts::linkNumbers.
 /// A new run may have other walls than the one that left the state.
 void forgetWallContacts(State& state) {
   const std::size_t slots = contactSlots * static_cast<std::size_t>(state.owned());
@@ -71,6 +71,7 @@ void forgetWallContacts(State& state) {
     if (state.contact[k] < 0) state.contact[k] = 0, std::fill_n(state.spring + 3 * k, 3, 0.0);
 }
 
+/// For each kind of link five numbers, as RunParts::linkNumbers.
 std::vector<double> linkNumbersOf(const LinkLaws& laws) {
   std::vector<double> numbers;
   for (const LinkLaw& law : laws)
@@ -330,26 +331,21 @@ void RunParts::lookAtLinks() {
   // A run of this program has strained what it left.
   if (!file || file->run.reals.contains("links")) return;
   struct {
-    double strain;
-    int rank;
-  } worst{noticedLinkStrain, state->rank()};
-  struct {
     long long fibre[2] = {0, 0};
     int index[2] = {0, 0};
     double length = 0, rest = 0;
   } link;
+  double worst = noticedLinkStrain;
   for (std::size_t k = 0; k < state->links.size(); ++k) {
     const Link& l = state->links[k];
     if (l.broken || forces->links().ends(k)[0] >= state->owned()) continue;
     const double length = norm(forces->links().resolve(*state, forces->nearest(), k).separation);
-    if (const double strain = std::abs(length / l.length - 1.0); strain > worst.strain) {
-      worst.strain = strain;
+    if (const double strain = std::abs(length / l.length - 1.0); strain > worst) {
+      worst = strain;
       link = {{l.fibre[0], l.fibre[1]}, {l.index[0], l.index[1]}, length, l.length};
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, state->comm());
-  if (worst.strain == noticedLinkStrain) return;
-  MPI_Bcast(&link, sizeof link, MPI_BYTE, worst.rank, state->comm());
+  if (largestOfRanks(worst, link, state->comm()) == noticedLinkStrain) return;
   warnings.push_back(format(
       "at the start, the link of fibre %lld segment %d to fibre %lld segment %d is %.4g %s long, "
       "and %.4g at rest (link/rest_length)",
@@ -398,8 +394,7 @@ void RunParts::chooseStep() {
     throw InputError(
         "the stable step cannot be estimated: something (a contact, a link, a wall) is more than "
         "1e5 times as stiff as the bonds of the fibres, or a parameter is out of all proportion "
-        "(or "
-        "-ts_dt_unsafe)");
+        "(or -ts_dt_unsafe)");
   if (judged && limits.present > 0 && dt > limits.present)
     throw InputError(
         format("-ts_dt %g: beyond the stable step of this state, %.4g %s; take at most half of "

@@ -213,9 +213,8 @@ void checkPrefixes(const char* option, const char* thing, const std::vector<std:
     for (std::size_t k = 1; k < name.size(); ++k) fits = fits && follows(k);
     if (!fits)
       throw InputError(
-          format("%s: '%s' cannot name %s; a name is a letter and then letters or "
-                 "digits%s",
-                 option, name.c_str(), thing, joined ? ", or _ with a letter behind it" : ""));
+          format("%s: '%s' cannot name %s; a name is a letter and then letters or digits%s", option,
+                 name.c_str(), thing, joined ? ", or _ with a letter behind it" : ""));
     // PETSc tells no capital from a small letter in the names of options.
     std::string small = name;
     std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });

@@ -58,12 +58,12 @@ double Kinds::thickest() const {
 double Kinds::forceScale() const {
   return largest(*this, [](const Fibre& f) { return f.bond.stretch * f.length; });
 }
+double Kinds::energyScale() const {
+  return largest(*this, [](const Fibre& f) { return f.bond.stretch * f.length * f.length; });
+}
 double Kinds::speedOfSound() const {
   return largest(*this,
                  [](const Fibre& f) { return f.length * std::sqrt(f.bond.stretch / f.mass); });
-}
-double Kinds::energyScale() const {
-  return largest(*this, [](const Fibre& f) { return f.bond.stretch * f.length * f.length; });
 }
 
 Kinds readKinds(Options& options, const UnitSystem& units) {

@@ -107,13 +107,14 @@ void readKink(OptionSection& s, const UnitSystem& units, Fibre& f) {
         "-fibre_kink_stiffness: not used by this run, whose fibres do not kink "
         "(-fibre_kink_curvature)");
   if (!curvature) return;
-  // |e1_i - e1_j| of two axes that are turned by T times the curvature.
-  if (const double angle = *curvature * f.length; angle > 3.0)
+  const double angle = *curvature * f.length;
+  if (angle > 3.0)
     throw InputError(
         format("-fibre_kink_curvature %g: a bond of %g %s would bend by %.3g rad before "
                "it kinks; at most 3",
                *curvature, f.length, units.length, angle));
-  f.kink.angle = 2.0 * std::sin(0.5 * *curvature * f.length);
+  // |e1_i - e1_j| of two axes that are turned by it.
+  f.kink.angle = 2.0 * std::sin(0.5 * angle);
   f.kink.taken = (1.0 - residual) * f.bendingOfBond();
 }
 

@@ -112,17 +112,6 @@ std::vector<std::string> rangedLaws(const PairReader& read) {
 }
 
 /// The range by -pair_..., meant for the only law that has one.
-}  // namespace
-
-void requireRange(const std::optional<double>& distance, const PairReader& read,
-                  const std::string& name) {
-  if (const double most = 1e9 * read.touch(); distance && *distance > most)
-    throw InputError(format("-%s: forces that reach to %g %s; at most %g", name.c_str(), *distance,
-                            read.units.length, most));
-}
-
-namespace {
-
 GivenRange readRange(const PairReader& read) {
   const char* unit = read.units.length;
   const bool kinds = !read.a.kind.empty();
@@ -400,6 +389,13 @@ OwnLaw between(const KindWithLaw& one, const KindWithLaw& other, const UnitSyste
 }
 
 }  // namespace
+
+void requireRange(const std::optional<double>& distance, const PairReader& read,
+                  const std::string& name) {
+  if (const double most = 1e9 * read.touch(); distance && *distance > most)
+    throw InputError(format("-%s: forces that reach to %g %s; at most %g", name.c_str(), *distance,
+                            read.units.length, most));
+}
 
 double usualRestDistance(const Fibre& a, const Fibre& b, const UnitSystem& units) {
   if (a.law != "vdw" || b.law != "vdw") return a.radius + b.radius;

@@ -1,9 +1,9 @@
 #include "nanoweft/force/pair_survey.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <vector>
+
+#include "nanoweft/base/gather.hpp"
 
 namespace nanoweft {
 
@@ -33,12 +33,7 @@ ClosestPair findClosestPair(const State& state, const ForceField& forces,
                      {state.chain[2 * p.i], state.chain[2 * p.j]}};
         });
   }
-  struct {
-    double distance;
-    int rank;
-  } best{smallest, state.rank()};
-  MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MINLOC, state.comm());
-  MPI_Bcast(&closest, sizeof closest, MPI_BYTE, best.rank, state.comm());
+  largestOfRanks(-smallest, closest, state.comm());
   return closest;
 }
 
@@ -61,20 +56,12 @@ StrongestSum findStrongestSum(const State& state, const ForceField& forces) {
           if (p.j < state.owned()) sums[static_cast<std::size_t>(p.j)] += -f;
         });
   }
-  struct {
-    double share;
-    int rank;
-  } worst{0, state.rank()};
   StrongestSum strongest{0, 0, 0};
   const double most = forces.pairs().forceUnit() * 0x1p62;
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    const double share = norm(sums[i]) / most;
-    if (share <= worst.share) continue;
-    worst.share = share;
-    strongest = {share, state.fibre[i], state.chain[2 * i]};
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, state.comm());
-  MPI_Bcast(&strongest, sizeof strongest, MPI_BYTE, worst.rank, state.comm());
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    if (const double share = norm(sums[i]) / most; share > strongest.share)
+      strongest = {share, state.fibre[i], state.chain[2 * i]};
+  largestOfRanks(strongest.share, strongest, state.comm());
   return strongest;
 }
 

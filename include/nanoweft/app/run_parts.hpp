@@ -38,6 +38,8 @@ struct RunParts {
   std::vector<double> restShapes() const;
   /// For each kind of link 1 for springs, else 0, and B1 to B4. Empty: there are no links.
   std::vector<double> linkNumbers() const;
+  /// Name of `stage` in the record of a state file.
+  static constexpr const char* stageName = "stage";
 
   std::unique_ptr<RunPlan> plan;
   Team team;
@@ -48,12 +50,8 @@ struct RunParts {
   EnergyAccounts accounts;
   StepLimits limits;
   std::optional<double> defaultStep;  ///< when the state chose the step
-  /// How many runs of this program the state has gone through before: each draws its own numbers.
-  std::int64_t stage = 0;
-  static constexpr const char* stageName = "stage";
-  /// -seed, for draws that a later stage must not repeat. Those of critical strains must stay.
-  std::uint64_t stageSeed() const;
-  double stepBefore = 0;              ///< of the checkpoint, where the step is new
+  std::int64_t stage = 0;  ///< how many runs of this program the state has gone through before
+  double stepBefore = 0;   ///< of the checkpoint, where the step is new
   std::vector<std::string> warnings;  ///< of the start
 
  private:
@@ -70,7 +68,10 @@ struct RunParts {
   void checkStart();
   void perturb();
   void refuseOverlap() const;
+  /// Sets `stage`, and the seed of the thermostat.
   void findStage();
+  /// -seed, for draws that a later stage must not repeat. Those of critical strains must stay.
+  std::uint64_t stageSeed() const;
   /// Refuses a start whose pair forces are too large for the sums of ForceField.
   void refuseLargeSums() const;
   /// Keeps a warning for the header where a link is far from its rest.

@@ -33,4 +33,19 @@ std::vector<T> ofAllRanks(const std::vector<T>& mine, MPI_Comm comm, bool everyw
   return all;
 }
 
+/// The largest `value` of all ranks. On all of them `of` becomes that of the rank that has it, of
+/// equals the first. A value that is no number counts for nothing. Collective. T is copied as
+/// bytes.
+template <class T>
+double largestOfRanks(double value, T& of, MPI_Comm comm) {
+  struct {
+    double value;
+    int rank;
+  } best{value, 0};
+  MPI_Comm_rank(comm, &best.rank);
+  MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm);
+  MPI_Bcast(&of, sizeof of, MPI_BYTE, best.rank, comm);
+  return best.value;
+}
+
 }  // namespace nanoweft

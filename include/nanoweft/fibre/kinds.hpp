@@ -40,9 +40,9 @@ class Kinds {
   /// Scales of exact sums: the largest B1 T and the largest B1 T^2 (force and energy of a bond
   /// stretched by its own length).
   double forceScale() const;
+  double energyScale() const;
   /// Of stretching waves in a long chain; the largest of all kinds.
   double speedOfSound() const;
-  double energyScale() const;
 
  private:
   std::vector<Fibre> fibres_;
