@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "nanoweft/base/hdf5.hpp"
 #include "support/expect.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
@@ -379,6 +380,33 @@ TEST(LinkKinds, WrongOnesAreRefused) {
   setLinkKinds(folder / "in.h5", {0, 2}, "");
   expectRefused(run(folder, "-scene file -scene_file in.h5 -link_kinds a,b -ts_max_steps 2", 2),
                 {"link 1: its kind is 2; there are 2"});
+}
+
+TEST(LinksOfFiles, MayBeBrokenByTruthValuesOfH5py) {
+  const Folder folder;
+  writeState(folder / "in.h5",
+             {straightFibre({0, 0, 0}, {1, 0, 0}, 4), straightFibre({0, 20, 0}, {1, 0, 0}, 4)});
+  setLinks(folder / "in.h5", {{0, 1, 1, 1}, {0, 2, 1, 2}});
+  {
+    const h5::Handle file(H5Fopen((folder / "in.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose),
+        type(H5Tenum_create(H5T_NATIVE_INT8), H5Tclose);
+    const std::int8_t values[2] = {0, 1};
+    H5Tenum_insert(type, "FALSE", values);
+    H5Tenum_insert(type, "TRUE", values + 1);
+    const hsize_t count = 2;
+    const h5::Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose),
+        set(H5Dcreate2(file, "/link/broken", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+            H5Dclose);
+    ASSERT_GE(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+  }
+  for (const int ranks : {1, 2}) {
+    const auto outcome = run(folder,
+                             "-scene file -scene_file in.h5 -scene_file_edited -pair none "
+                             "-ts_max_steps 2 -overwrite -state_output out.h5",
+                             ranks);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(readDataset(folder / "out.h5", "/link/broken"), (std::vector<double>{0, 1}));
+  }
 }
 
 TEST(LinksOfStages, TieNoPlaceTwice) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nanoweft/base/hdf5.hpp"
 #include "support/expect.hpp"
 #include "support/formulas.hpp"
 #include "support/program.hpp"
@@ -225,6 +226,23 @@ TEST(Relaxation, DoesNotConvergeWhileALoadGrowsOrAWallIsOnItsWay) {
       "0,0,1 -w_velocity 0,0,0.001 -w_stop 20000 -w_modulus 20 -relax_tolerance 1e-3 "
       "-relax_interval 100",
       999);
+}
+
+TEST(Relaxation, AnEnergyThatIsTooOldIsNotComparedWith) {
+  // A stretch without -relax_tolerance goes past a step at which it would have looked.
+  const Folder folder;
+  auto kept = [&](const std::string& what) {
+    expectDone(run(folder, what + " -checkpoint_file c.h5"));
+    const h5::Handle file(H5Fopen((folder / "c.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
+                          H5Fclose),
+        record(H5Gopen2(file, "/run", H5P_DEFAULT), H5Gclose);
+    return h5::readReals(record, "relax_elastic").value().at(0);
+  };
+  EXPECT_GT(kept("-scene fibre -fibre_segments 6 -fibre_bend 1 -pair none "
+                 "-relax_tolerance 1e-12 -ts_max_steps 6000"),
+            0);
+  EXPECT_GT(kept("-restart c.h5 -ts_max_steps 9000"), 0);
+  EXPECT_EQ(kept("-restart c.h5 -ts_max_steps 11000"), -1);
 }
 
 TEST(Relaxation, ADrivenBoxCannotBeGivenAnEndAtRestByARestart) {

@@ -229,6 +229,18 @@ TEST(StepLimit, EnergyOutOfNothingEndsARunBeforeDisplacementsDo) {
   EXPECT_NE(alarmed.output.find("energy has risen"), std::string::npos) << alarmed.output;
 }
 
+TEST(StepLimit, ARunTooShortForALookAtItsEnergiesIsJudgedAtItsEnd) {
+  const Folder folder;
+  for (const auto& [dt, status] : {std::pair{"20", 0}, std::pair{"47", 2}}) {
+    const auto outcome =
+        run(folder, std::string("-scene bundle -bundle_fibres 7 -bundle_segments 10 "
+                                "-bundle_gap 15 -ts_dt_unsafe -ts_limit_interval 0 "
+                                "-ts_max_steps 99 -ts_dt ") +
+                        dt);
+    EXPECT_EQ(outcome.status, status) << outcome.output;
+  }
+}
+
 TEST(StepLimit, TheEnergyAlarmGoesOnInARestart) {
   const Folder folder;
   const std::string options =

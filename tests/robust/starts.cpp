@@ -487,6 +487,27 @@ TEST(Starts, SumsOfForcesThatNoIntegerHoldsAreRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
 }
 
+TEST(Starts, DampingThatIsBeyondItsSumOnlyTogetherIsSeen) {
+  // A segment along the joint of two, each of which dampens it by three quarters of what a number
+  // may be: 8 m/2^k of twice the speed of sound, here 1.94 A/fs.
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {0, 1, 0}, 2),
+                                straightFibre({0, 6.78, 13.4}, {0, 1, 0}, 1)});
+  for (const auto& [speed, fits] : {std::pair{0.9, true}, std::pair{1.94, false}}) {
+    setMotion(
+        folder / "in.h5",
+        [u = speed](std::size_t i, const Vec3d&) {
+          return Vec3d{i < 2 ? 0.0 : u, 0, 0};
+        },
+        [](std::size_t, const Vec3d&) { return Vec3d{}; });
+    const auto outcome = run(folder, start +
+                                         "-scene_file_edited -pair contact -contact_modulus 20 "
+                                         "-damping_viscous 1e6 -ts_dt 1e-5 -ts_max_steps 2");
+    EXPECT_EQ(outcome.status, fits ? 0 : 2) << outcome.output;
+    EXPECT_EQ(says(outcome, "larger than what is summed"), !fits) << outcome.output;
+  }
+}
+
 TEST(Starts, ForcesThatGetBeyondTheirSumsEndTheRun) {
   // Dampers that turn every motion round within a step, between segments that meet at speed: those
   // of one fibre come upon the other after 110 steps, and are past it after 180.

@@ -558,6 +558,8 @@ TEST(Tables, ThatBeganAtARestartMayChangeTheirIntervalThere) {
   const std::string on = "-restart a.h5 -energy_monitor ascii:b.csv ";
   expectDone(run(folder, on + "-monitor_interval 10 -ts_max_steps 25"));
   expectDone(run(folder, on + "-overwrite -monitor_interval 5 -ts_max_steps 30"));
+  EXPECT_NE(readFile(folder / "b.csv").find("# rows every 5 steps from step 20\n"),
+            std::string::npos);
   expectDone(run(folder, on + "-monitor_interval 5 -ts_max_steps 40"));
   EXPECT_EQ(stepsIn(folder / "b.csv"), (Lines{"20", "25", "30", "35", "40"}));
 }
