@@ -109,7 +109,7 @@ TEST(FilesBesides, AnotherRunsOutputOfTheSameTimeIsKept) {
   const Folder folder;
   const Outcome outcome = runBeside(
       folder,
-      "-scene weave -weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 4000 "
+      "-scene weave -weave_fibres 4,4 -weave_segments 24 -damping_local 0.4 -ts_max_steps 100000 "
       "-progress_interval 0.05 -state_output f.h5",
       2,
       "for i in $(seq 1200); do grep -q ns/day out.txt && break; sleep 0.05; done; echo mine > "
