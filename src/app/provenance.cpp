@@ -29,10 +29,18 @@ std::string digestOnAll(MPI_Comm comm, const std::string& file) {
   return digest;
 }
 
-/// The file that -scene_file names, or empty.
-std::string sceneFile(const Options& options) {
-  const auto it = options.readings().find("scene_file");
-  return it != options.readings().end() ? it->second.value.value_or("") : "";
+/// The file that a scene reads.
+struct SceneFile {
+  std::string option, name;
+};
+
+/// The file that the scene's option names, or empty.
+SceneFile sceneFile(const Options& options) {
+  for (const char* option : {"scene_file", "text_file", "lammps_file"}) {
+    const auto it = options.readings().find(option);
+    if (it != options.readings().end() && it->second.value) return {option, *it->second.value};
+  }
+  return {};
 }
 
 /// Why a run cannot go on from a file with this record, or empty.
@@ -55,22 +63,24 @@ Provenance readProvenance(MPI_Comm comm, const Options& options, const StateHead
                           bool restart) {
   Provenance result{"nanoweft", NANOWEFT_VERSION, options.resultOptions({"seed"}),
                     start ? start->digest : ""};
-  if (!restart) return result;
+  const auto [option, file] = sceneFile(options);
+  if (!restart) {
+    if (!start && !file.empty()) result.input = digestOnAll(comm, file);
+    return result;
+  }
   const Provenance first = provenanceOf(start->run);
   result.input = first.input;
   const std::string& name = start->run.source;
-  const std::string file = sceneFile(options);
-  if (!file.empty() && first.input.empty())
+  if (!file.empty() && first.input.empty() && option == "scene_file")
     throw InputError(
-        format("-scene_file %s: the checkpoint %s was made without it; leave out -restart to start "
-               "from it",
-               file.c_str(), name.c_str()));
+        format("-%s %s: the checkpoint %s was made without it; leave out -restart to start from it",
+               option.c_str(), file.c_str(), name.c_str()));
   const std::string input = file.empty() ? "" : digestOnAll(comm, file);
-  if (!input.empty() && input != first.input)
+  if (!input.empty() && !first.input.empty() && input != first.input)
     throw InputError(
-        format("-scene_file %s: the checkpoint %s was made from another file (or from one of other "
-               "content); leave out -restart to start from this one, or -scene_file to go on",
-               file.c_str(), name.c_str()));
+        format("-%s %s: the checkpoint %s was made from another file (or from one of other "
+               "content); leave out -restart to start from this one, or -%s to go on",
+               option.c_str(), file.c_str(), name.c_str(), option.c_str()));
   return result;
 }
 

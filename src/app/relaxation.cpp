@@ -44,7 +44,10 @@ class Relaxation : public Observer {
     const System& s = moment.system;
     // Without any elastic energy the motion tells whether some may come.
     const bool tells = elastic > 0 || moment.energies->kinetic + moment.energies->rotational == 0;
-    converged_ = last_ >= 0 && tells && std::abs(elastic - last_) <= tolerance_ * elastic &&
+    // A driven wall in flight has yet to reach the fibres.
+    const bool landed = s.forces.walls().kinetic() <= tolerance_ * elastic;
+    converged_ = last_ >= 0 && tells && landed &&
+                 std::abs(elastic - last_) <= tolerance_ * elastic &&
                  !stillDriven(s.state, s.forces, s.boundaries);
     last_ = elastic;
   }

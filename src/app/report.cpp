@@ -28,12 +28,12 @@ void printFibre(MPI_Comm comm, const Fibre& f, const UnitSystem& units) {
   const EvmBond& b = f.bond;
   const std::string wall = f.wall > 0 ? format("wall %g %s", f.wall, units.length) : "solid";
   // By format(): PetscPrintf would put a point behind whole numbers.
+  const std::string moduli = f.elastic ? format("E %g GPa, G %g GPa, ", f.young / units.gigapascal,
+                                                f.shear / units.gigapascal)
+                                       : "";
   const std::string fibre = format(
-      "  %sfibre: from %s, radius %g %s, %s, E %g GPa, G %g GPa, density %.5g kg/m^3, %.5g %s a "
-      "length "
-      "of 1 %s\n",
-      ofKind(f).c_str(), f.preset.c_str(), f.radius, units.length, wall.c_str(),
-      f.young / units.gigapascal, f.shear / units.gigapascal,
+      "  %sfibre: from %s, radius %g %s, %s, %sdensity %.5g kg/m^3, %.5g %s a length of 1 %s\n",
+      ofKind(f).c_str(), f.preset.c_str(), f.radius, units.length, wall.c_str(), moduli.c_str(),
       f.density() / units.kilogramPerCubicMetre, f.mass / units.mass / f.length, units.massName,
       units.length);
   PetscPrintf(comm, "%s", fibre.c_str());
@@ -190,6 +190,24 @@ void printTension(const State& state, const Tension& t, const UnitSystem& units)
               static_cast<long long>(held.right));
 }
 
+/// Overlap, over the radius, that points of a segment beside a round wall should resolve.
+constexpr double wallOverlap = 0.1;
+
+void warnOfCoarseWall(MPI_Comm comm, const Wall& w, const Kinds& kinds, const UnitSystem& units) {
+  if (w.shape == Wall::plane || w.inside) return;
+  for (const Fibre& f : kinds) {
+    const double spacing = WallForces::pointSpacing(f),
+                 wide = std::sqrt(2.0 * (w.radius + f.radius) * wallOverlap * f.radius);
+    if (spacing <= wide) continue;
+    PetscPrintf(comm,
+                "  warning: %ssegments touch walls by points %.3g %s apart, too coarse for a wall "
+                "whose touch is %.3g %s wide: forces vary along the fibre; take "
+                "-fibre_segment_length %.3g\n",
+                ofKind(f).c_str(), spacing, units.length, wide, units.length,
+                f.length * wide / spacing);
+  }
+}
+
 void printWall(MPI_Comm comm, const Wall& w, const UnitSystem& units) {
   static constexpr const char* shapes[] = {"plane through", "cylinder around", "sphere around"};
   std::string text = format("  wall %s: %s %g,%g,%g %s", w.name.c_str(), shapes[w.shape], w.point.x,
@@ -306,7 +324,10 @@ void printHeader(const RunParts& parts, const Moment& start) {
   if (parts.state->linked) printLinks(parts);
   if (tension) printTension(*parts.state, *tension, units);
   if (plan.settings.thermostat) printThermostat(plan, parts.state->extras().friction);
-  for (const Wall& wall : plan.walls) printWall(plan.comm, wall, units);
+  for (const Wall& wall : plan.walls) {
+    printWall(plan.comm, wall, units);
+    warnOfCoarseWall(plan.comm, wall, plan.kinds, units);
+  }
   if (plan.boxDrive) PetscPrintf(plan.comm, "  box: %s\n", plan.boxDrive.text().c_str());
   printStep(parts);
   if (plan.boundaries.tensionGoesOn())

@@ -111,6 +111,7 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
     if (!plan->settings.allowOverlap) refuseOverlap();
     if (deep) refuseLargeSums();
   }
+  if (!plan->checkpoint && plan->kinds.several()) lookAtKinds();
   if (!plan->checkpoint && state->linked) lookAtLinks();
   if (!plan->checkpoint && forces->walls() && !evaluatesOnly() && !plan->settings.startUnchecked)
     refuseInWalls();
@@ -324,6 +325,27 @@ void RunParts::refuseLargeSums() const {
       "fibres overlap so much that the pair forces on fibre %lld segment %d are beyond what is "
       "summed, four times that of two segments deep in each other; move them apart",
       static_cast<long long>(s.fibre), s.index));
+}
+
+void RunParts::lookAtKinds() {
+  std::vector<int> present(static_cast<std::size_t>(plan->kinds.count()), 0);
+  for (int i = 0; i < state->owned(); ++i) present[static_cast<std::size_t>(state->kind(i))] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, present.data(), plan->kinds.count(), MPI_INT, MPI_MAX, state->comm());
+  for (int k = 0; k < plan->kinds.count(); ++k)
+    if (!present[static_cast<std::size_t>(k)])
+      warnings.push_back(format(
+          "no fibre is of the kind %s, which yet decides on the step and the lists; what a scene's "
+          "fibres are of is said by its own option of kinds, such as -weave_kinds",
+          plan->kinds[k].kind.c_str()));
+  if (std::ranges::none_of(plan->links, [](const LinkLaw& law) { return law.density > 0; })) return;
+  for (int i = 0; i < plan->kinds.count(); ++i)
+    for (int j = i; j < plan->kinds.count(); ++j)
+      if (present[static_cast<std::size_t>(i)] && present[static_cast<std::size_t>(j)] &&
+          !forces->pairs().between(i, j))
+        warnings.push_back(format(
+            "-links_density makes no links between %s and %s: they have no pair law, from whose "
+            "lists links are made",
+            plan->kinds[i].kind.c_str(), plan->kinds[j].kind.c_str()));
 }
 
 void RunParts::lookAtLinks() {

@@ -123,6 +123,16 @@ void RunPlan::refuseBesideShear() const {
     throw InputError(what + ": not together with a tension test, which has grips");
 }
 
+void RunPlan::refuseHeldInDrivenBox() const {
+  for (const Boundary& b : boundaries.list())
+    for (int d = 0; d < 3; ++d)
+      if (b.fix[static_cast<std::size_t>(d)] && boxDrive.carries(d))
+        throw InputError(
+            format("-%s_fix: holds the group along %c, along which the box carries all segments "
+                   "as it is driven; give -%s_fix 0 there",
+                   b.name.c_str(), "xyz"[d], b.name.c_str()));
+}
+
 void RunPlan::refuseWithoutRest() const {
   const std::string end = "-relax_force: ends a run where no force is left; ";
   if (boundaries.tension()) throw InputError(end + "a tension test goes on moving its grips");
@@ -167,6 +177,7 @@ void RunPlan::refuseContradictions() const {
   if (boxDrive && boundaries.tension())
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   refuseBesideShear();
+  if (!checkpoint) refuseHeldInDrivenBox();
   if (minimises()) refuseForMinimiser();
   if (settings.relaxForce > 0) refuseWithoutRest();
   // A restart has the box of its checkpoint, whatever is thought of it now.

@@ -44,9 +44,9 @@ bool isWholeInFile(hid_t creation) {
 bool allWritten(hid_t set, hid_t space, hid_t creation, const std::vector<hsize_t>& shape) {
   if (H5Pget_layout(creation) == H5D_COMPACT) return true;
   if (H5Pget_layout(creation) == H5D_CONTIGUOUS) return H5Dget_storage_size(set) > 0;
-  hsize_t chunk[2] = {1, 1}, present = 0, wanted = 1;
-  const int dimensions = H5Pget_chunk(creation, 2, chunk);
-  for (int d = 0; d < dimensions && d < 2; ++d)
+  hsize_t chunk[3] = {1, 1, 1}, present = 0, wanted = 1;
+  const int dimensions = H5Pget_chunk(creation, 3, chunk);
+  for (int d = 0; d < dimensions && d < 3; ++d)
     wanted *= (shape[static_cast<std::size_t>(d)] + chunk[d] - 1) / chunk[d];
   return H5Dget_num_chunks(set, space, &present) >= 0 && present == wanted;
 }
@@ -69,7 +69,9 @@ hid_t nativeType() {
 class Rows {
  public:
   Rows(hid_t group, const Expected& expected)
-      : columns_(expected.columns),
+      : dimensions_(expected.dimensions()),
+        columns_(expected.columns),
+        depth_(expected.depth),
         set_(H5Dopen2(group, expected.name, H5P_DEFAULT), H5Dclose),
         space_(H5Dget_space(set_), H5Sclose),
         type_(H5Dget_type(set_), H5Tclose) {}
@@ -77,16 +79,17 @@ class Rows {
 
   template <class T>
   bool read(std::int64_t begin, std::int64_t count, T* values) const {
-    const hsize_t start[2] = {static_cast<hsize_t>(begin), 0};
-    const hsize_t extent[2] = {static_cast<hsize_t>(count), static_cast<hsize_t>(columns_)};
+    const hsize_t start[3] = {static_cast<hsize_t>(begin), 0, 0};
+    const hsize_t extent[3] = {static_cast<hsize_t>(count), static_cast<hsize_t>(columns_),
+                               static_cast<hsize_t>(depth_)};
     if (H5Sselect_hyperslab(space_, H5S_SELECT_SET, start, nullptr, extent, nullptr) < 0)
       return false;
-    const Handle memory(H5Screate_simple(2, extent, nullptr), H5Sclose);
+    const Handle memory(H5Screate_simple(dimensions_, extent, nullptr), H5Sclose);
     return H5Dread(set_, nativeType<T>(), memory, space_, H5P_DEFAULT, values) >= 0;
   }
 
  private:
-  int columns_;
+  int dimensions_, columns_, depth_;
   Handle set_, space_, type_;
 };
 
@@ -94,7 +97,7 @@ class Rows {
 template <class Wide, class T>
 std::string readChecked(const Rows& rows, const Expected& expected, std::int64_t begin,
                         std::int64_t count, T* values) {
-  const auto columns = static_cast<std::size_t>(expected.columns);
+  const auto columns = static_cast<std::size_t>(expected.perRow());
   // HDF5 clips what is too large for the 64 bits that it is read into.
   const bool clips = std::is_same_v<Wide, std::int64_t> && !holds<std::int64_t>(rows.type());
   std::vector<Wide> block(static_cast<std::size_t>(std::min(count, blockRows)) * columns);
@@ -121,6 +124,13 @@ std::string readChecked(const Rows& rows, const Expected& expected, std::int64_t
     }
   }
   return "";
+}
+
+std::string shapeOf(const Expected& expected) {
+  std::string shape = "must have the shape [N";
+  if (expected.dimensions() > 1) shape += format(", %d", expected.columns);
+  if (expected.dimensions() > 2) shape += format(", %d", expected.depth);
+  return shape + "]";
 }
 
 }  // namespace
@@ -160,16 +170,15 @@ Shape inspect(hid_t group, const Expected& expected) {
   }
   const H5T_class_t kind = H5Tget_class(type);
   const int dimensions = H5Sget_simple_extent_ndims(space);
-  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(dimensions, 2)), 0);
+  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(dimensions, 3)), 0);
   H5Sget_simple_extent_dims(space, shape.data(), nullptr);
   if (kind != H5T_FLOAT && !isWholeType(kind))
     result.problem = expected.whole ? "must hold whole numbers" : "must hold numbers";
-  else if (dimensions != (expected.columns == 1 ? 1 : 2) ||
-           (dimensions == 2 && shape[1] != static_cast<hsize_t>(expected.columns)) ||
+  else if (dimensions != expected.dimensions() ||
+           (dimensions > 1 && shape[1] != static_cast<hsize_t>(expected.columns)) ||
+           (dimensions > 2 && shape[2] != static_cast<hsize_t>(expected.depth)) ||
            shape[0] > static_cast<hsize_t>(std::numeric_limits<std::int64_t>::max()))
-    result.problem = expected.columns == 1
-                         ? "must have the shape [N]"
-                         : format("must have the shape [N, %d]", expected.columns);
+    result.problem = shapeOf(expected);
   else if (!isWholeInFile(creation))
     result.problem = "has its data in another file; copy them into this one";
   else if (const std::string filter = missingFilter(creation); !filter.empty())
@@ -183,7 +192,7 @@ Shape inspect(hid_t group, const Expected& expected) {
 template <class T>
 std::string readRows(hid_t group, const Expected& expected, std::int64_t begin, std::int64_t count,
                      std::vector<T>& values) {
-  values.resize(static_cast<std::size_t>(count * expected.columns));
+  values.resize(static_cast<std::size_t>(count * expected.perRow()));
   if (count == 0) return "";
   const Rows rows(group, expected);
   if constexpr (!std::is_same_v<T, double>) {

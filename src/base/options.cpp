@@ -80,13 +80,12 @@ constexpr std::string_view petscNames[] = {
     "build_twosided",
     "x_virtual",
 };
+/// What options of PETSc's objects begin with.
 constexpr std::string_view petscPrefixes[] = {"draw_",          "sf_",        "dm_", "viewer_hdf5_",
                                               "viewer_binary_", "vecscatter_"};
 
 bool belongsToPetsc(std::string_view name) {
-  return std::ranges::find(petscNames, name) != std::end(petscNames) ||
-         std::ranges::any_of(petscPrefixes,
-                             [&](std::string_view p) { return name.starts_with(p); });
+  return std::ranges::find(petscNames, name) != std::end(petscNames);
 }
 
 /// The suffixes of options whose first part is the user's (boundary.cpp).
@@ -109,11 +108,17 @@ int editDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// Beyond it, and below its inverse, products of a few numbers have no place in a double.
+constexpr double mostReal = 1e60;
+
 double parseReal(const std::string& name, const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0' || !std::isfinite(value))
     throw InputError(format("-%s '%s': expected a number", name.c_str(), text.c_str()));
+  if (value != 0 && (std::abs(value) > mostReal || std::abs(value) < 1.0 / mostReal))
+    throw InputError(format("-%s %s: numbers here are 0 or from %g to %g in size", name.c_str(),
+                            text.c_str(), 1.0 / mostReal, mostReal));
   return value;
 }
 
@@ -175,7 +180,7 @@ std::vector<double> parseReals(const std::string& name, const std::string& text,
 
 std::array<bool, 3> parseFlags3(const std::string& name, const std::string& text) {
   const auto parts = split(text);
-  if (parts.size() != 3)
+  if (parts.size() != 3 || std::ranges::any_of(parts, &std::string::empty))
     throw InputError(format("-%s '%s': expected three of 0 and 1 separated by commas", name.c_str(),
                             text.c_str()));
   return {parseFlag(name, parts[0]), parseFlag(name, parts[1]), parseFlag(name, parts[2])};

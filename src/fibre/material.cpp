@@ -35,7 +35,7 @@ std::vector<double> whatTheStepDependsOn(const Fibre& f) {
 }
 
 /// Reads what the preset's cross-section and moduli are replaced by.
-void readSection(OptionSection& s, const UnitSystem& units, Fibre& f) {
+void readSection(Options& options, OptionSection& s, const UnitSystem& units, Fibre& f) {
   const char* fromPreset = "of the preset";
   f.radius = s.maybeReal("fibre_radius", fromPreset, units.length, "radius rf", positive)
                  .value_or(f.radius);
@@ -45,9 +45,12 @@ void readSection(OptionSection& s, const UnitSystem& units, Fibre& f) {
   if (f.diameter() < f.wall)
     throw InputError(
         format("-fibre_wall %g: thicker than the fibre (radius %g)", f.wall, f.radius));
-  if (auto e = s.maybeReal("fibre_young", fromPreset, "GPa", "Young's modulus E", positive))
+  f.elastic = !s.given("fibre_bond_stiffness");
+  OptionSection elastic(options, "Fibre", f.elastic,
+                        "-fibre_bond_stiffness gives a bond's stiffnesses");
+  if (auto e = elastic.maybeReal("fibre_young", fromPreset, "GPa", "Young's modulus E", positive))
     f.young = *e * units.gigapascal;
-  if (auto g = s.maybeReal("fibre_shear", fromPreset, "GPa", "shear modulus G", positive))
+  if (auto g = elastic.maybeReal("fibre_shear", fromPreset, "GPa", "shear modulus G", positive))
     f.shear = *g * units.gigapascal;
   if (auto e = s.maybeReal("fibre_transverse_young", fromPreset, "GPa",
                            "Young's modulus across the axis, for contacts", positive))
@@ -95,17 +98,15 @@ void readRestShape(OptionSection& s, const UnitSystem& units, Fibre& f) {
         turn));
 }
 
-void readKink(OptionSection& s, const UnitSystem& units, Fibre& f) {
+void readKink(Options& options, OptionSection& s, const UnitSystem& units, Fibre& f) {
   const std::string perLength = std::string("1/") + units.length;
   const auto curvature = s.maybeReal(
       "fibre_kink_curvature", "none", perLength.c_str(),
       "curvature at which the fibre kinks: beyond it the bending moment grows no more", positive);
-  const double residual = s.real("fibre_kink_stiffness", 0.0, "",
-                                 "bending stiffness of a kink over that of the fibre", {0.0, 1.0});
-  if (!curvature && s.given("fibre_kink_stiffness"))
-    throw InputError(
-        "-fibre_kink_stiffness: not used by this run, whose fibres do not kink "
-        "(-fibre_kink_curvature)");
+  OptionSection kinks(options, "Fibre", curvature.has_value(), "-fibre_kink_curvature is not set");
+  const double residual =
+      kinks.real("fibre_kink_stiffness", 0.0, "",
+                 "bending stiffness of a kink over that of the fibre", {0.0, 1.0});
   if (!curvature) return;
   const double angle = *curvature * f.length;
   if (angle > 3.0)
@@ -150,6 +151,11 @@ void readYield(OptionSection& s, const UnitSystem& units, Fibre& f) {
       s.maybeReal("fibre_yield_curvature", "none", perLength.c_str(),
                   "elastic curvature beyond which the fibre flows plastically", positive);
   if (curvature) f.yield.angle = *curvature * f.length;
+  if (curvature && f.kinks() && *curvature * f.length <= 2.0 * std::asin(0.5 * f.kink.angle))
+    throw InputError(
+        format("-fibre_yield_curvature %g: the fibre flows before it would kink; it must be above "
+               "-fibre_kink_curvature, or that be left out",
+               *curvature));
 }
 
 }  // namespace
@@ -159,7 +165,7 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
   const std::string help = "material and cross-section to start from: " + presetNames();
   const Fibre preset = presetFibre(s.text("fibre_preset", "cnt_10_10", help.c_str()), units);
   Fibre f = preset;
-  readSection(s, units, f);
+  readSection(options, s, units, f);
   if (preset.middle > 0 && (f.radius != preset.radius || f.wall != preset.wall))
     throw InputError(
         format("%s: the radii of a tube with a thick wall are in its name, mwcnt_OUTER_INNER",
@@ -185,7 +191,7 @@ Fibre readFibre(Options& options, const UnitSystem& units) {
           "is unstable at rest");
   }
   readRestShape(s, units, f);
-  readKink(s, units, f);
+  readKink(options, s, units, f);
   readViscosity(s, units, f);
   readYield(s, units, f);
   if (f.radius != preset.radius) f.sheet = 0;

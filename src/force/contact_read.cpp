@@ -22,24 +22,28 @@ double usualModulus(const Fibre& a, const Fibre& b) {
 
 /// With the defaults of `usual`, where NaN stands for what has to be given.
 FrictionLaw readFriction(const PairReader& read, OptionSection& s, const FrictionLaw& usual) {
-  auto real = [&](const char* name, double value, const char* help, const Bounds& bounds) {
-    const double found = s.real(name, std::isnan(value) ? 0.0 : value, "", help, bounds);
-    if (std::isnan(value) && !s.given(name) && read.is("contact"))
+  auto real = [&](OptionSection& of, bool used, const char* name, double value, const char* help,
+                  const Bounds& bounds) {
+    const double found = of.real(name, std::isnan(value) ? 0.0 : value, "", help, bounds);
+    if (std::isnan(value) && !of.given(name) && used)
       throw InputError("-pair contact: give " + read.option(name) +
                        ", since the two kinds' own differ");
     return found;
   };
   FrictionLaw law;
-  law.mu = real("contact_friction", usual.mu, "coefficient of friction", coefficientBounds);
+  const bool touches = read.is("contact");
+  law.mu =
+      real(s, touches, "contact_friction", usual.mu, "coefficient of friction", coefficientBounds);
+  const bool rubs = touches && law.mu > 0;
+  OptionSection sticking(read.options, PairReader::topic, rubs,
+                         touches ? "there is no -contact_friction" : "-pair is " + read.laws());
   law.tangential =
-      real("contact_tangential", usual.tangential,
+      real(sticking, rubs, "contact_tangential", usual.tangential,
            "stiffness of a contact along the surfaces over that across", tangentialBounds);
-  law.restitution = real(
-      "contact_restitution", usual.restitution,
-      "speed after a collision of two segments over that before it; 1: not damped", {0.0, 1.0});
-  const bool alone = read.prefix.empty() && read.is("contact");
-  if (alone && law.mu == 0 && s.given("contact_tangential"))
-    throw InputError("-contact_tangential: not used by this run, which has no -contact_friction");
+  law.restitution = real(s, touches, "contact_restitution", usual.restitution,
+                         "speed after a collision of two segments over that before it; 1: not "
+                         "damped; 0 counts as 0.001",
+                         {0.0, 1.0});
   law.mass = read.a.mass * read.b.mass / (read.a.mass + read.b.mass);
   return law;
 }
@@ -71,6 +75,12 @@ std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice&
     traits.description += format(", friction %g, tangential stiffness %.4g, restitution %g",
                                  friction.mu, friction.tangential, friction.restitution);
   traits.cutoff = traits.restDistance = law.touch();
+  // A segment's surface gives way to a force along it by moving and by turning.
+  for (const Fibre* f : {&a, &b})
+    if (friction.mu > 0)
+      traits.sticking =
+          std::max(traits.sticking,
+                   friction.tangential * (1.0 + f->mass * f->radius * f->radius / f->inertia));
   // Deeper than a radius, fibres have passed through each other.
   traits.closestSensible = law.touch() - thinner;
   traits.radius = {a.radius, b.radius};

@@ -37,6 +37,7 @@ struct OwnLaw {
   double hertz = 0;
   SurfaceValues surface;
   FrictionLaw friction;
+  std::optional<double> accuracy;
 };
 
 double geometric(double x, double y) {
@@ -184,15 +185,20 @@ double readHertz(const PairReader& read, double usual) {
                 positive);
 }
 
-void readAccuracy(PairReader& read) {
-  OptionSection s(read.options, topic, read.is("hertz") || !rangedLaws(read).empty(),
-                  "-pair is " + read.laws());
-  read.accuracy = s.maybeReal(
+/// `accuracy`: between two kinds that of both; within one it becomes what is read.
+void readAccuracy(PairReader& read, std::optional<double>& accuracy) {
+  OptionSection s(read.options, topic,
+                  !read.mixed() && (read.is("hertz") || !rangedLaws(read).empty()),
+                  read.mixed() ? "between kinds the points follow from the laws' widths"
+                               : "-pair is " + read.laws());
+  const auto given = s.maybeReal(
       "pair_accuracy", "none", "",
       "largest rms error of forces in a bundle and at a crossing, over their rms; chooses "
       "-pair_points, far points and the range of vdw (between kinds they follow from the laws' "
       "widths)",
       {1e-6, 1.0});
+  if (!read.mixed()) accuracy = given;
+  read.accuracy = accuracy;
 }
 
 PairChoice readChoice(const PairReader& read) {
@@ -239,6 +245,11 @@ PairTraits traitsOf(const PairReader& read, const Law& law, double restDistance,
 std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& p, double rest,
                                    double lost, const PairChoice& choice) {
   const Vdw law(p.of(choice.length, unequalRadii(read.a.radius, read.b.radius)));
+  if (choice.single && !read.accuracy && read.a.kind.empty() &&
+      !compiled(choice.points.near, choice.length))
+    throw InputError(
+        format("-pair_precision single: has no effect with -pair_points %d; at most %d",
+               choice.points.near.i, mostCompiledPoints));
   if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
     throw InputError(read.prefix.empty()
                          ? format("-pair_switch %g: must lie beyond the resting distance %g %s",
@@ -321,7 +332,7 @@ std::unique_ptr<PairForce> makeWithPoints(const PairReader& read, const PointNee
 /// The pair forces of all laws.
 std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
   readChosen(read, law.chosen);
-  readAccuracy(read);
+  readAccuracy(read, law.accuracy);
   PairChoice choice = readChoice(read);
   VdwParameters vdw = readVdw(read, law.vdw);
   const GivenRange range = readRange(read);
@@ -379,6 +390,7 @@ OwnLaw between(const KindWithLaw& one, const KindWithLaw& other, const UnitSyste
   law.chosen = ofA.chosen == ofB.chosen                   ? ofA.chosen
                : ofA.chosen == none || ofB.chosen == none ? none
                                                           : undecided;
+  if (ofA.accuracy && ofB.accuracy) law.accuracy = ofA.accuracy;
   law.vdw = meanOf(ofA.vdw, ofB.vdw);
   law.hertz = hertzBetween(one, other, units);
   law.surface = surfaceValuesBetween(ofA.surface, ofB.surface);
@@ -415,7 +427,7 @@ PairForces readPairForces(Options& options, const UnitSystem& units, const Kinds
     const std::string name = f.kind.empty() ? "" : f.kind + "_" + f.kind;
     const OptionPrefix prefix(options, name);
     PairReader read{options, units, f, f, name.empty() ? "" : name + "_", {}};
-    own.push_back({{f.law}, usualVdw(units), usualHertz(f, units), {}, {}});
+    own.push_back({{f.law}, usualVdw(units), usualHertz(f, units), {}, {}, {}});
     keep(k, k, readOne(read, own.back()));
   }
   for (int i = 0; i < kinds.count(); ++i)

@@ -42,8 +42,8 @@ OptionSection farSection(const PairReader& read, const PointNeed& need, bool few
 /// `far`: are the options of far points meant for this law?
 OwnPoints readOwnPoints(const PairReader& read, const Fibre& f, const PointNeed& need, bool far) {
   const OptionPrefix prefix(read.options, f.kind);
-  OptionSection s(read.options, PairReader::topic, !read.is("none") && !read.accuracy,
-                  read.accuracy ? byAccuracy : "-pair is none");
+  OptionSection s(read.options, PairReader::topic, read.usesPoints() && !read.accuracy,
+                  read.accuracy ? byAccuracy : "-pair is " + read.laws());
   auto needed = [&](double distance, const LawWidth& width) {
     const int points = pointsNeeded(f.length, distance, width.gap, width.spacing);
     // A few points too little are better than a kernel that takes any number of them.

@@ -127,10 +127,12 @@ class WallReader {
     }
     w.friction.mu = real("_friction", 0.0, coefficientBounds);
     w.friction.restitution = real("_restitution", 1.0, {0.0, 1.0});
-    const bool slides = w.shape == Wall::plane && norm(w.velocity) > 0 &&
-                        std::abs(dot(w.velocity, w.axis)) <= 1e-12 * norm(w.velocity);
+    const double speed = norm(w.velocity), along = std::abs(dot(w.velocity, w.axis));
+    const bool slides = speed > 0 && (w.shape == Wall::plane      ? along <= 1e-12 * speed
+                                      : w.shape == Wall::cylinder ? along >= (1.0 - 1e-12) * speed
+                                                                  : false);
     if (slides && w.friction.mu == 0)
-      throw InputError(option("_velocity") + ": not used by this run: a plane without " +
+      throw InputError(option("_velocity") + ": not used by this run: a wall without " +
                        option("_friction") + " that slides in itself drags nothing along");
     if (w.spin != 0 && w.friction.mu == 0)
       throw InputError(option("_spin") + ": not used by this run: a wall without " +

@@ -248,6 +248,15 @@ void WallForces::restore(const RunRecord& record, int rank) {
   }
 }
 
+double WallForces::leastGap(const State& state, const MinimumImage& nearest, int i,
+                            const Wall& wall) const {
+  const Vec3d x = nearest(state.position(i) - wall.at()), axis = axis1(state.orientation(i));
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < points; ++k)
+    least = std::min(least, wall.see(x + (placeOf(k) * kinds_[state.kind(i)].length) * axis).gap);
+  return least;
+}
+
 WallForces::Depth WallForces::deepest(const State& state, const MinimumImage& nearest) const {
   Depth deepest{0, std::numeric_limits<std::int64_t>::max(), 0, 0, 0};
   auto deeper = [](const Depth& a, const Depth& b) {
@@ -256,7 +265,7 @@ WallForces::Depth WallForces::deepest(const State& state, const MinimumImage& ne
   for (int i = 0; i < state.owned(); ++i)
     for (std::size_t w = 0; w < walls_.size(); ++w) {
       const double radius = kinds_[state.kind(i)].radius;
-      const double gap = walls_[w].see(nearest(state.position(i) - walls_[w].at())).gap;
+      const double gap = leastGap(state, nearest, i, walls_[w]);
       const Depth own{(radius - gap) / radius, state.row[i], state.fibre[i], state.chain[2 * i],
                       static_cast<std::int32_t>(w)};
       if (deeper(own, deepest)) deepest = own;
@@ -293,6 +302,10 @@ double WallForces::stiffest(const State& state, const MinimumImage& nearest) con
     if (walls_[w].driven()) largest = std::max(largest, sum / walls_[w].mass);
   }
   return largest;
+}
+
+double WallForces::pointSpacing(const Fibre& fibre) {
+  return fibre.length / points;
 }
 
 double WallForces::kinetic() const {

@@ -60,9 +60,9 @@ std::string titleOf(const Boundary& b) {
 
 Boundaries::Boundaries(Options& options, const UnitSystem& units, const Kinds& kinds,
                        double restDistance) {
+  booksWork_ = OptionSection(options, "Boundary conditions").as(Role::run).given("group_monitor");
   readNamed(options, units);
   giveBits();
-  booksWork_ = OptionSection(options, "Boundary conditions").as(Role::run).given("group_monitor");
   tension_ = readTension(options, units, kinds, restDistance);
 }
 
@@ -125,6 +125,12 @@ void Boundaries::readOneNamed(Options& options, const std::string& name) {
   const auto axis = vector("_axis");
   b.centre = vector("_centre");
   b.spin = n.maybeReal(name + "_spin", "", "", "", {});
+  // A restart may leave the monitor out.
+  if (b.centre && !b.spin && !booksWork_ && !options.recorded(name + "_centre"))
+    throw InputError(
+        format("-%s_centre: not used by this run, which has neither -%s_spin nor a "
+               "-group_monitor with torques about it",
+               name.c_str(), name.c_str()));
   const bool held = velocity || b.spin;
   b.fix = fix.value_or(std::array{held, held, held});
   b.fixRotation = n.flag(name + "_fix_rotation", b.spin.has_value(), "");
@@ -133,7 +139,9 @@ void Boundaries::readOneNamed(Options& options, const std::string& name) {
   b.force = force.value_or(Vec3d{});
   b.torque = torque.value_or(Vec3d{});
   b.ramp = n.real(name + "_ramp", 0.0, "", "", nonNegative);
-  if (b.ramp > 0 && !held && !force && !torque)
+  const bool grows =
+      norm(b.velocity) > 0 || b.spin.value_or(0.0) != 0 || norm(b.force) > 0 || norm(b.torque) > 0;
+  if (b.ramp > 0 && !grows)
     throw InputError(
         format("-%s_ramp: not used by this run: the group has no velocity, spin, force "
                "or torque to grow",

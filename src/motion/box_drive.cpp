@@ -95,7 +95,10 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
   OptionSection ofRates(options, topic, rated, "no direction is strained at a rate");
   ramp_ = ofRates.real("deform_ramp", 0.0, units.time,
                        "rates of strain grow linearly for this long", nonNegative);
-  OptionSection ofStress(options, topic, active_ || any.given("box_monitor"),
+  // A restart goes on with the thickness, whichever monitors it has.
+  const bool measured =
+      any.as(Role::run).given("box_monitor") || options.recorded("deform_thickness").has_value();
+  OptionSection ofStress(options, topic, active_ || measured,
                          "the box is held, and there is no -box_monitor");
   thickness_ = ofStress.real("deform_thickness", 0.0, units.length,
                              "of a sheet, for stresses; 0: that of the box", nonNegative);
@@ -113,6 +116,11 @@ BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
                      ", where a direction is driven to a stress");
   servo_.time = relaxes.value_or(2000.0);
   servo_.mostRate = most.value_or(1e-5);
+}
+
+bool BoxDrive::carries(int axis) const {
+  return axes_[static_cast<std::size_t>(axis)].mode != held ||
+         (sheared_ != none && Tilt::ofPair(static_cast<int>(sheared_) - 3, 0.0).along == axis);
 }
 
 const char* BoxDrive::shears() const {
@@ -262,8 +270,10 @@ double BoxDrive::stretch(State& state, ForceField& forces, double time, double d
   state.box.tilt.way *= factor_[static_cast<std::size_t>(state.box.tilt.along)];
   if (sheared_ != none) {
     const Tilt pair = Tilt::ofPair(static_cast<int>(sheared_) - 3, 0.0);
-    shear_ *= factor_[static_cast<std::size_t>(pair.along)] /
-              factor_[static_cast<std::size_t>(pair.across)];
+    const double stretched = factor_[static_cast<std::size_t>(pair.along)] /
+                             factor_[static_cast<std::size_t>(pair.across)];
+    // The slide of the start is stretched likewise, which is no shear.
+    shear_ *= stretched, shearStart_ *= stretched;
   }
   for (int i = 0; i < state.owned(); ++i) state.box.wrap(state.pose + 8 * i, state.image + 3 * i);
   forces.stretch(state.box, factor_);

@@ -8,8 +8,10 @@ namespace nanoweft {
 
 bool stillDriven(const State& state, const ForceField& forces, const Boundaries& boundaries) {
   return boundaries.loadsGrow(state.time) ||
-         std::ranges::any_of(forces.walls().list(),
-                             [&](const Wall& w) { return w.moves() && state.time < w.stop; });
+         std::ranges::any_of(forces.walls().list(), [&](const Wall& w) {
+           return w.driven() ? w.factor(state.time) < 1
+                             : w.moves() && (w.stop == 0 || state.time < w.stop);
+         });
 }
 
 void applyBoundaries(Residual& residual, const State& state, const Boundaries& boundaries, int i) {

@@ -196,6 +196,11 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   if (!std::isfinite(eigenvalue) || !std::isfinite(norm))
     return std::numeric_limits<double>::quiet_NaN();
   if (!(eigenvalue > 0)) return std::numeric_limits<double>::infinity();
+  // The stiffness above is that of slipping contacts.
+  double sticking = 1;
+  for (const auto& c : forces.pairs().classes())
+    if (state.extras().friction) sticking = std::max(sticking, c.force->sticking());
+  eigenvalue *= sticking;
   return withViscosity(2.0 / std::sqrt(eigenvalue),
                        state.extras().viscous ? slowest(forces.kinds()) : 0.0);
 }
@@ -230,7 +235,8 @@ double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
       double contact = 0;  // laws add, and so do their stiffnesses
       for (const auto& c : pairs.classes()) {
         const Both<int> n = c.force->points().near;
-        if (c.between(k, other)) contact += c.force->contactStiffness() / std::max(n.i, n.j);
+        if (c.between(k, other))
+          contact += c.force->sticking() * c.force->contactStiffness() / std::max(n.i, n.j);
       }
       if (contact > 0)
         lowest = std::min(lowest,

@@ -72,8 +72,11 @@ double StrainProgram::rate(double time) const {
 
 std::string StrainProgram::text() const {
   std::string text;
-  for (const Leg& leg : legs_)
+  for (const Leg& leg : legs_) {
     text += format("%s%g at %g", text.empty() ? "" : ", then ", leg.target, leg.speed);
+    if (const double peak = std::abs(leg.peak); peak > 0 && peak < (1.0 - 1e-9) * leg.speed)
+      text += format(" (%.3g at most: the way is short for its ramp)", peak);
+  }
   return text;
 }
 

@@ -11,24 +11,32 @@
 
 namespace nanoweft {
 
-KindMix::KindMix(OptionSection& section, const std::string& scene, const SceneContext& context)
+KindMix::KindMix(OptionSection& section, const std::string& scene, const SceneContext& context,
+                 MixOptions which)
     : all_(context.kinds), seed_(context.seed) {
   const std::string option = scene + "_kinds";
   const auto names = section.words(option, "kinds of the fibres; the first of -kinds");
   for (const std::string& name : names)
     kinds_.push_back(kindNumber(context.kinds, "-" + option, name));
   if (kinds_.empty()) kinds_.push_back(0);
-  if (auto v = section.reals(scene + "_shares", 0, "equal", "",
-                             "shares of the kinds in the number of fibres")) {
-    shares_ = *v;
-    const double sum = std::accumulate(shares_.begin(), shares_.end(), 0.0);
-    if (shares_.size() != kinds_.size() || std::ranges::min(shares_) < 0 ||
-        std::abs(sum - 1.0) > 1e-6)
-      throw InputError(format("-%s_shares: needs a share for each of -%s, which add to 1",
-                              scene.c_str(), option.c_str()));
-  }
-  gap_ = section.maybeReal(scene + "_gap", "rest distance of the pair law", context.units.length,
-                           "distance between the axes of fibres that touch", positive);
+  if (!which.shares && names.size() > 1)
+    throw InputError("-" + option + ": the scene has one fibre, so give one kind");
+  if (which.shares) readShares(section, scene);
+  if (which.gap)
+    gap_ = section.maybeReal(scene + "_gap", "rest distance of the pair law", context.units.length,
+                             "distance between the axes of fibres that touch", positive);
+}
+
+void KindMix::readShares(OptionSection& section, const std::string& scene) {
+  const auto given = section.reals(scene + "_shares", 0, "equal", "",
+                                   "shares of the kinds in the number of fibres");
+  if (!given) return;
+  shares_ = *given;
+  const double sum = std::accumulate(shares_.begin(), shares_.end(), 0.0);
+  if (shares_.size() != kinds_.size() || std::ranges::min(shares_) < 0 ||
+      std::abs(sum - 1.0) > 1e-6)
+    throw InputError(format("-%s_shares: needs a share for each of -%s_kinds, which add to 1",
+                            scene.c_str(), scene.c_str()));
 }
 
 std::shared_ptr<const KindMix> KindMix::given(const SceneContext& context, std::int64_t fibres,

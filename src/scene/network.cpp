@@ -39,7 +39,12 @@ std::unique_ptr<Scene> makeNetworkScene(Options& options, const SceneContext& co
   }
   const double space = box.upper[0] * box.upper[1] * box.upper[2];
   const std::int64_t fibres =
-      count ? *count : std::max(1L, std::lround(fraction * space / mix->volume(segments)));
+      count ? *count : std::lround(fraction * space / mix->volume(segments));
+  if (fibres < 1)
+    throw InputError(
+        format("-network_fraction %g: is not one fibre of %d segments in a box of %.5g x %.5g x "
+               "%.5g %s",
+               fraction, segments, box.upper[0], box.upper[1], box.upper[2], unit));
   requireMemory(context.comm, fibres * segments, sizeof(Vec3d) + sizeof(LaidPiece));
   mix->draw(fibres);
   Crowd crowd(box, mix->widest() + context.kinds.longest());

@@ -59,7 +59,7 @@ std::unique_ptr<Scene> makeRacketScene(Options& options, const SceneContext& con
       static_cast<int>(s.integer("racket_segments", 300, "segments of the fibre", 3, 100000000));
   const auto wanted = s.maybeReal("racket_loop", "a third of the fibre", context.units.length,
                                   "length of fibre in the loop", positive);
-  auto mix = std::make_shared<KindMix>(s, "racket", context);
+  auto mix = std::make_shared<KindMix>(s, "racket", context, MixOptions{.shares = false});
   const bool shaped = readShaped(s, "racket");
   if (use != SceneUse::start) return nullptr;
   mix->prepare(context);

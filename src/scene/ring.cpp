@@ -56,7 +56,7 @@ std::unique_ptr<Scene> makeRingScene(Options& options, const SceneContext& conte
   ring.windings =
       static_cast<int>(s.integer("ring_windings", 3, "times that it goes around", 1, 10000));
   ring.closed = s.flag("ring_closed", true, "its last segment is bonded to the first");
-  auto mix = std::make_shared<KindMix>(s, "ring", context);
+  auto mix = std::make_shared<KindMix>(s, "ring", context, MixOptions{.shares = false});
   const bool shaped = readShaped(s, "ring");
   if (use != SceneUse::start) return nullptr;
   if (ring.windings == 1 && !ring.closed)

@@ -75,7 +75,7 @@ std::unique_ptr<Scene> makeTextScene(Options& options, const SceneContext& conte
       "text_file", "",
       "points on the fibres' centre lines: three columns, an empty line between fibres");
   const double scale = s.real("text_scale", 1.0, "", "unit of length of the file", positive);
-  auto mix = std::make_shared<KindMix>(s, "text", context);
+  auto mix = std::make_shared<KindMix>(s, "text", context, MixOptions{.gap = false});
   const bool shaped = readShaped(s, "text");
   if (use != SceneUse::start) return nullptr;
   if (file.empty()) throw InputError("-scene text needs -text_file NAME");

@@ -11,48 +11,18 @@ namespace nanoweft {
 
 namespace {
 
-/// Reads a whole dataset whose rows have the shape `inner`; leaves `values` empty when it is not
-/// there.
+/// Reads a whole dataset; leaves `values` empty when it is not there.
 template <class T>
-void readWhole(const OpenState& file, const char* name, const std::vector<hsize_t>& inner,
-               hid_t memory, std::vector<T>& values) {
+void readWhole(const OpenState& file, const h5::Expected& expected, std::vector<T>& values) {
   const hid_t group = file.links();
-  const std::string what = std::string("/link/") + name;
-  switch (h5::find(group, name)) {
-    case h5::Found::nothing:
-      return;
-    case h5::Found::dataset:
-      break;
-    default:
-      file.refuse(what + " is not a dataset");
-  }
-  const h5::Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
-  const h5::Handle space(H5Dget_space(set), H5Sclose), type(H5Dget_type(set), H5Tclose);
-  const bool whole = std::is_integral_v<T>;
-  const H5T_class_t kind = H5Tget_class(type);
-  const bool integer = kind == H5T_INTEGER || kind == H5T_ENUM;  // the latter: h5py's truth values
-  if (!integer && (whole || kind != H5T_FLOAT))
-    file.refuse(what + (whole ? " must hold whole numbers" : " must hold numbers"));
-  std::vector<hsize_t> shape(
-      static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
-  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  if (shape.size() != inner.size() + 1 ||
-      !std::equal(inner.begin(), inner.end(), shape.begin() + 1)) {
-    std::string wanted = "[L";
-    for (const hsize_t n : inner) wanted += "," + std::to_string(n);
-    file.refuse(what + " must have the shape " + wanted + "]");
-  }
-  H5D_space_status_t status = H5D_SPACE_STATUS_NOT_ALLOCATED;
-  H5Dget_space_status(set, &status);
-  constexpr hsize_t most = 100000000;
-  if (shape[0] > most) file.refuse(what + " has more than 1e8 rows");
-  if (shape[0] > 0 && status == H5D_SPACE_STATUS_NOT_ALLOCATED)
-    file.refuse(what + " was never written");
-  hsize_t count = 1;
-  for (const hsize_t n : shape) count *= n;
-  values.resize(static_cast<std::size_t>(count));
-  if (H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    file.refuse(what + " cannot be read (" + h5::lastError() + ")");
+  if (h5::find(group, expected.name) == h5::Found::nothing) return;
+  const std::string what = std::string("/link/") + expected.name + " ";
+  const h5::Shape shape = h5::inspect(group, expected);
+  if (!shape.problem.empty()) file.refuse(what + shape.problem);
+  if (!shape.written) file.refuse(what + "was never written, or only in part");
+  if (shape.rows > 100000000) file.refuse(what + "has more than 1e8 rows");
+  const std::string problem = h5::readRows(group, expected, 0, shape.rows, values);
+  if (!problem.empty()) file.refuse(what + problem);
 }
 
 std::string endOf(const LinkRows& rows, std::size_t k, std::size_t side) {
@@ -137,11 +107,11 @@ std::string problemOf(const LinkRows& rows, const Ends& ends, const KindNumbers&
 
 LinkRows readLinkRows(const OpenState& file) {
   LinkRows rows;
-  readWhole(file, "segments", {2, 2}, H5T_NATIVE_INT64, rows.segments);
-  readWhole(file, "kind", {}, H5T_NATIVE_INT32, rows.kind);
-  readWhole(file, "broken", {}, H5T_NATIVE_INT8, rows.broken);
-  readWhole(file, "rest_length", {}, H5T_NATIVE_DOUBLE, rows.length);
-  readWhole(file, "rest_frame", {2, 4}, H5T_NATIVE_DOUBLE, rows.frame);
+  readWhole(file, {"segments", 2, true, 2}, rows.segments);
+  readWhole(file, {"kind", 1, true}, rows.kind);
+  readWhole(file, {"broken", 1, true}, rows.broken);
+  readWhole(file, {"rest_length", 1, false}, rows.length);
+  readWhole(file, {"rest_frame", 2, false, 4}, rows.frame);
   const std::size_t n = rows.count();
   if (n == 0) file.refuse("/link has no dataset segments with links");
   auto fits = [&](std::size_t size, std::size_t columns) {

@@ -91,7 +91,7 @@ std::string differenceOfRuns(const Provenance& other, const Provenance& mine) {
   }
   for (const auto& [name, value] : ours)
     if (!theirs.contains(name)) return "this run has " + name + " " + value + ", it not";
-  if (other.input != mine.input) return "it started from another -scene_file";
+  if (other.input != mine.input) return "it started from another file";
   if (other.version != mine.version)
     return "it is of version '" + other.version + "', this run of '" + mine.version + "'";
   return other == mine ? "" : "its options are in another order";

@@ -312,6 +312,23 @@ TEST(KindsInOneRun, NamesInTheFileSayWhichKindsAreMeant) {
                 {"row 5", "another kind than the segment before it"});
 }
 
+TEST(KindsInOneRun, AKindWithoutFibresIsWarnedOf) {
+  for (const int ranks : {1, 3})
+    for (const auto& [mixed, warned] :
+         {std::pair{"", true}, std::pair{"-weave_kinds a,b", false}}) {
+      const Folder folder;
+      const auto outcome = run(folder,
+                               std::string("-kinds a,b -b_fibre_young 500 -weave_fibres 3,3 "
+                                           "-weave_segments 24 -ts_max_steps 0 ") +
+                                   mixed,
+                               ranks);
+      ASSERT_EQ(outcome.status, 0) << outcome.output;
+      EXPECT_EQ(outcome.output.find("warning: no fibre is of the kind b") != std::string::npos,
+                warned)
+          << outcome.output;
+    }
+}
+
 TEST(KindsInOneRun, RestRotationsThatCannotBeMeantAreRefused) {
   const Folder folder;
   const auto outcome = run(folder, weave + "-state_output in.h5 -ts_max_steps 0", 1);

@@ -409,6 +409,22 @@ TEST(LinksOfFiles, MayBeBrokenByTruthValuesOfH5py) {
   }
 }
 
+TEST(LinkKinds, OfFibresWithoutAPairLawAreMissed) {
+  const Folder folder;
+  for (const auto& [law, warned] : {std::pair{"none", true}, std::pair{"hertz", false}}) {
+    const auto outcome =
+        run(folder,
+            std::string("-kinds a,b -scene bundle -bundle_kinds a,b -bundle_fibres 7 "
+                        "-bundle_segments 20 -links_density 0.001 -links_distance 20 -link_law "
+                        "spring -link_stretch 0.1 -ts_max_steps 0 -pair hertz -a_b_pair ") +
+                law,
+            2);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("no links between a and b") != std::string::npos, warned)
+        << outcome.output;
+  }
+}
+
 TEST(LinksOfStages, TieNoPlaceTwice) {
   const Folder folder;
   const std::string options =

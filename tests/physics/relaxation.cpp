@@ -228,6 +228,20 @@ TEST(Relaxation, DoesNotConvergeWhileALoadGrowsOrAWallIsOnItsWay) {
       999);
 }
 
+TEST(Relaxation, DoesNotConvergeUnderAPlateThatHasYetToLand) {
+  // Nothing has happened to the fibre in the 2000 steps before the plate touches it.
+  const Folder folder;
+  const std::string plate =
+      "-scene fibre -fibre_segments 10 -pair none -damping_local 0.3 -ts_dt 20 -ts_max_steps 4000 "
+      "-relax_tolerance 1e-3 -relax_interval 100 -bc all -all_region -1000,-9,-9,1000,9,9 -all_fix "
+      "1,1,0 -walls top -top_point 0,0,60 -top_axis 0,0,-1 -top_modulus 10 ";
+  for (const char* driven : {"-top_velocity 0,0,-0.001", "-top_force 0,0,-0.01 -top_mass 1e5"}) {
+    const auto outcome = run(folder, plate + driven);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("converged"), std::string::npos) << outcome.output;
+  }
+}
+
 TEST(Relaxation, AnEnergyThatIsTooOldIsNotComparedWith) {
   // A stretch without -relax_tolerance goes past a step at which it would have looked.
   const Folder folder;

@@ -209,6 +209,26 @@ TEST(Shear, AFibreBondedThroughTheSlidingFaceIsStretchedByTheTilt) {
   }
 }
 
+TEST(Shear, OfATiltedStateThatIsStretchedIsNone) {
+  const Folder folder;
+  BoxInput box{{0, 0, -100}, {200, 200, 100}, {true, true, false}};
+  writeState(folder / "in.h5", {straightFibre({50, 100, 0}, {1, 0, 0}, 4)}, box);
+  setTilt(folder / "in.h5", {40, 0, 0});
+  const auto outcome =
+      run(folder,
+          fileScene +
+              "-pair none -deform_interval 1 -deform_x rate -deform_x_rate 1e-6 -deform_xy program "
+              "-deform_xy_program 0.1,1e-12 -ts_dt 10 -ts_max_steps 1000 -state_output out.h5");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto table = readCsv(folder / "box.csv");
+  EXPECT_NEAR(table.at("strain_x").back(), 0.01, 1e-9);
+  EXPECT_NEAR(table.at("strain_xy").back(), 0.0, 1e-7);
+  // The images slide with the box.
+  h5::Handle f(H5Fopen((folder / "out.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  h5::Handle group(H5Gopen2(f, "state", H5P_DEFAULT), H5Gclose);
+  EXPECT_NEAR(h5::readReals(group, "tilt").value().at(0), 40 * 1.01, 1e-5);
+}
+
 TEST(Shear, WhatCannotBeMeantIsRefused) {
   const Folder folder;
   const std::string weave = "-weave_fibres 2,2 -weave_segments 12 -ts_max_steps 1 ",

@@ -302,6 +302,37 @@ TEST(StepLimit, ForPressedFibresAddsTheStiffnessesOfTheirLaws) {
   EXPECT_NEAR((raised("vdw") + raised(contact)) / both, 1.0, 0.01);
 }
 
+TEST(StepLimit, OfContactsThatStickIsLower) {
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, -6.7, 0}, {1, 0, 0}, 12),
+                                straightFibre({0, 6.7, 0}, {1, 0, 0}, 12)});
+  auto limits = [&](const std::string& friction) {
+    const auto outcome = run(folder,
+                             "-scene file -scene_file in.h5 -ts_max_steps 1 -ts_dt 1 -pair contact "
+                             "-contact_modulus 5000 " +
+                                 friction);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    std::array<double, 3> read{};
+    const auto at = outcome.output.find("stable below ");
+    EXPECT_NE(at, std::string::npos) << outcome.output;
+    if (at != std::string::npos)
+      std::sscanf(outcome.output.c_str() + at,
+                  "stable below %lf now, %lf for a free chain, about %lf", &read[0], &read[1],
+                  &read[2]);
+    return read;
+  };
+  // A tube's surface gives way twice as easily along as across, since it turns as well.
+  const auto slipping = limits(""),
+             sticking = limits("-contact_friction 0.5 -contact_tangential 1"),
+             soft = limits("-contact_friction 0.5");
+  EXPECT_NEAR(slipping[0] / sticking[0], std::sqrt(2.0), 0.01);
+  auto raised = [](const std::array<double, 3>& l) {
+    return 1 / (l[2] * l[2]) - 1 / (l[1] * l[1]);
+  };
+  EXPECT_NEAR(raised(sticking) / raised(slipping), 2.0, 0.02);
+  EXPECT_NEAR(soft[0] / slipping[0], 1.0, 0.01);
+}
+
 /// Two parallel tubes at rest side by side, which a growing force of up to 30 eV/A a segment
 /// presses into their linear repulsion.
 std::string pressedSlowly(const Folder& folder) {

@@ -280,6 +280,24 @@ TEST(Walls, FibresInsideThemAreRefusedAndDeepContactsWarnOnce) {
     EXPECT_EQ(outcome.output.find("deep in the wall", first + words.size()), std::string::npos);
     EXPECT_NE(outcome.output.find("wall floor: plane through 0,0,0"), std::string::npos);
   }
+  // A standing fibre whose lowest centre is less deep than its radius, and whose tip is deeper.
+  writeState(folder / "in.h5", {straightFibre({0, 0, 3}, {0, 0, 1}, 6)});
+  expectRefused(run(folder, fromFile + floorWall + "-ts_max_steps 10"),
+                {"fibre 0 segment 0 is 1.3", "wall floor"});
+}
+
+TEST(Walls, ThatAreThinnerThanPointsLieApartAreWarnedOf) {
+  const Folder folder;
+  for (const auto& [length, warned] : {std::pair{"13.56", false}, std::pair{"135.6", true}}) {
+    const auto outcome = run(
+        folder, std::string("-scene fibre -fibre_segments 6 -pair none -ts_max_steps 0 -walls rod "
+                            "-rod_shape cylinder -rod_axis 0,1,0 -rod_point 0,0,-20 -rod_radius 9 "
+                            "-rod_modulus 20 -fibre_segment_length ") +
+                    length);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("too coarse for a wall") != std::string::npos, warned)
+        << outcome.output;
+  }
 }
 
 TEST(Walls, FrictionThatHoldsAFibreIsPartOfItsEquilibrium) {

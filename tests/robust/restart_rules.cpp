@@ -108,6 +108,26 @@ TEST(ProvenanceOfFiles, NamesGroupsAndTheFileThatTheRunStartedFromByItsDigest) {
   EXPECT_EQ(textOf(folder / "out.h5", "input"), digest);
 }
 
+TEST(ProvenanceOfFiles, NamesTheTextThatFibresWereLaidAlongByItsDigest) {
+  const Folder folder;
+  writeText(folder / "a.txt", "0 0 0\n200 0 0\n");
+  writeText(folder / "b.txt", "0 0 0\n300 0 0\n");
+  const std::string text = "-scene text -ts_max_steps 2 -progress_interval 0 -text_file ";
+  expectDone(run(folder, text + "a.txt -checkpoint_file c.h5 -state_output out.h5"));
+  const std::string digest = textOf(folder / "out.h5", "input");
+  EXPECT_EQ(digest.size(), 64u) << digest;
+  const std::string kept = readFile(folder / "out.h5");
+  expectRefused(run(folder, text + "b.txt -state_output out.h5", 2),
+                {"will not replace out.h5", "another file"});
+  EXPECT_TRUE(readFile(folder / "out.h5") == kept);
+  const std::string on = "-restart c.h5 -ts_max_steps 4 -progress_interval 0 ";
+  expectDone(run(folder, on + "-scene text -text_file a.txt", 2));
+  expectRefused(run(folder, on + "-scene text -text_file b.txt", 2),
+                {"-text_file b.txt", "made from another file"});
+  expectDone(run(folder, on + "-state_output on.h5"));
+  EXPECT_EQ(textOf(folder / "on.h5", "input"), digest);
+}
+
 // Options of a restart
 
 TEST_P(RestartRules, OptionsComeFromTheCheckpoint) {
@@ -200,6 +220,18 @@ TEST_P(RestartRules, EndsOutputsAndWaysOfWorkingMayChange) {
   for (const char* set : {"state/position", "state/orientation", "state/velocity", "state/group"})
     EXPECT_EQ(readDataset(folder / "out.h5", set), readDataset(folder / "want.h5", set)) << set;
   EXPECT_EQ(textOf(folder / "out.h5", "options"), textOf(folder / "want.h5", "options"));
+}
+
+TEST_P(RestartRules, TheThicknessOfAHeldBoxStaysWithAndWithoutItsMonitor) {
+  const Folder folder;
+  const std::string box =
+      "-scene weave -weave_periodic -weave_fibres 4,4 -weave_segments 24 -progress_interval 0 ";
+  expectDone(go(folder, box + "-deform_thickness 17 -box_monitor ascii:b.csv -ts_max_steps 4 "
+                              "-checkpoint_file c.h5"));
+  expectDone(go(folder, "-restart c.h5 -progress_interval 0 -ts_max_steps 8"));
+  expectDone(go(folder,
+                "-restart c.h5 -progress_interval 0 -ts_max_steps 8 -deform_thickness 17 "
+                "-box_monitor ascii:b.csv"));
 }
 
 TEST_P(RestartRules, AnotherTimeStepIsSaidAndRecorded) {

@@ -462,6 +462,19 @@ TEST(Starts, TheDeepestOverlapIsFoundWhateverStandsBeforeIt) {
                   {"fibre 2 segment 7", "fibre 3 segment 0"});
 }
 
+TEST(Starts, FarPointsThatAreTooFewAreWarnedOf) {
+  const Folder folder;
+  for (const auto& [from, warned] : {std::pair{"30", true}, std::pair{"38", false}}) {
+    const auto outcome = run(
+        folder, std::string("-scene fibre -fibre_segments 6 -fibre_segment_length 27.12 "
+                            "-pair_points 9 -pair_far_points 1 -ts_max_steps 0 -pair_far_from ") +
+                    from);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("warning: -pair_far_points 1") != std::string::npos, warned)
+        << outcome.output;
+  }
+}
+
 TEST(Starts, CoordinatesWithTooFewDigitsAreRefused) {
   const Folder folder;
   for (const double far : {1e9, 1e13}) {

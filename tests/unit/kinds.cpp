@@ -52,6 +52,24 @@ const std::string three =
 
 }  // namespace
 
+TEST(Kinds, AnOptionForAllMayServeSome) {
+  const Read kinks =
+      readAll("-kinds a,b -fibre_kink_stiffness 0.1 -a_fibre_kink_curvature 0.0036 -pair none");
+  EXPECT_TRUE(kinks.kinds[0].kinks());
+  EXPECT_FALSE(kinks.kinds[1].kinks());
+  const Read soft =
+      readAll("-kinds a,b -fibre_young 500 -a_fibre_bond_stiffness 60,20,-4,1.5 -pair none");
+  EXPECT_DOUBLE_EQ(soft.kinds[0].bond.stretch, 60);
+  EXPECT_FALSE(soft.kinds[0].elastic);
+  EXPECT_DOUBLE_EQ(soft.kinds[1].young, 500 * nanoUnits().gigapascal);
+  readAll(
+      "-kinds a,b -pair_points 4 -a_a_pair contact -a_b_pair contact -a_a_contact_modulus 20 "
+      "-a_b_contact_modulus 20");
+  const std::string problem =
+      problemWith("-kinds a,b -a_fibre_kink_stiffness 0.1 -b_fibre_kink_curvature 0.0036");
+  EXPECT_NE(problem.find("-a_fibre_kink_stiffness"), std::string::npos) << problem;
+}
+
 TEST(Kinds, PairsOfThreeKindsAgreeWithFiftyDigits) {
   const Read read = readAll(three + "-pair_gap_switch 27.12 -pair_gap_cutoff 40.68");
   const auto rows = readTable("pairs_of_kinds.csv");

@@ -273,6 +273,53 @@ TEST(OddState, DataThatAreElsewhereOrNowhereAreRefused) {
   });
 }
 
+TEST(OddState, LinksThatAreElsewhereOrHalfWrittenAreRefused) {
+  auto group = [](hid_t f) {
+    return h5::Handle(H5Gcreate2(f, "link", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  };
+  const std::vector<std::int64_t> ends{0, 0, 0, 2};
+  auto segmentsOf = [&](hid_t links) {
+    dataset(links, "segments", H5T_NATIVE_INT64, {1, 2, 2}, ends.data());
+  };
+  expectRefused("/link/segments is a link to another file", [&](hid_t f, hid_t) {
+    H5Lcreate_external("other.h5", "/s", group(f), "segments", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  expectRefused("/link/segments must have the shape [N, 2, 2]", [&](hid_t f, hid_t) {
+    dataset(group(f), "segments", H5T_NATIVE_INT64, {1, 4}, ends.data());
+  });
+  expectRefused("/link/segments must have the shape [N, 2, 2]", [&](hid_t f, hid_t) {
+    dataset(group(f), "segments", H5T_NATIVE_INT64, {1, 2, 1}, ends.data());
+  });
+  expectRefused("/link/rest_length must have the shape [N]", [&](hid_t f, hid_t) {
+    const auto links = group(f);
+    segmentsOf(links);
+    dataset(links, "rest_length", H5T_NATIVE_DOUBLE, {1, 1}, nullptr);
+  });
+  expectRefused("/link/rest_length was never written", [&](hid_t f, hid_t) {
+    const auto links = group(f);
+    segmentsOf(links);
+    dataset(links, "rest_length", H5T_NATIVE_DOUBLE, {1}, nullptr);
+  });
+  expectRefused("/link/segments was never written, or only in part", [&](hid_t f, hid_t) {
+    const hsize_t shape[3] = {2, 2, 2}, chunk[3] = {1, 2, 2}, start[3] = {0, 0, 0};
+    h5::Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose),
+        space(H5Screate_simple(3, shape, nullptr), H5Sclose),
+        memory(H5Screate_simple(3, chunk, nullptr), H5Sclose);
+    H5Pset_chunk(creation, 3, chunk);
+    h5::Handle set(H5Dcreate2(group(f), "segments", H5T_NATIVE_INT64, space, H5P_DEFAULT, creation,
+                              H5P_DEFAULT),
+                   H5Dclose);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, chunk, nullptr);
+    H5Dwrite(set, H5T_NATIVE_INT64, memory, space, H5P_DEFAULT, ends.data());
+  });
+  expectRefused("/link/kind has 0.5", [&](hid_t f, hid_t) {
+    const auto links = group(f);
+    segmentsOf(links);
+    const double half = 0.5;
+    dataset(links, "kind", H5T_NATIVE_DOUBLE, {1}, &half);
+  });
+}
+
 TEST(OddState, AFilterThatIsNotThereIsNamed) {
   H5Z_class2_t filter{};
   filter.version = H5Z_CLASS_T_VERS;

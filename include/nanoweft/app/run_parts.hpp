@@ -74,6 +74,8 @@ struct RunParts {
   std::uint64_t stageSeed() const;
   /// Refuses a start whose pair forces are too large for the sums of ForceField.
   void refuseLargeSums() const;
+  /// Keeps a warning for the header where no segment is of a kind.
+  void lookAtKinds();
   /// Keeps a warning for the header where a link is far from its rest.
   void lookAtLinks();
   /// Refuses a start with fibres inside walls.

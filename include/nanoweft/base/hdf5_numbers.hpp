@@ -2,6 +2,7 @@
 /// expected gives a problem in words, never a wrong number.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -13,8 +14,12 @@ namespace nanoweft::h5 {
 /// What a dataset must be.
 struct Expected {
   const char* name;
-  int columns;  ///< 1: one dimension
-  bool whole;   ///< whole numbers
+  int columns;    ///< 1: one dimension
+  bool whole;     ///< whole numbers
+  int depth = 0;  ///< of a third dimension; 0: there is none
+
+  int dimensions() const { return depth ? 3 : columns == 1 ? 1 : 2; }
+  int perRow() const { return columns * std::max(depth, 1); }
 };
 
 /// What a link of a group leads to.

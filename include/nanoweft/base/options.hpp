@@ -84,6 +84,9 @@ class Options {
   /// All options that were read and apply to the run, by name.
   const std::map<std::string, Reading>& readings() const { return readings_; }
 
+  /// Value of an option in the checkpoint that the run goes on from.
+  std::optional<std::string> recorded(const std::string& name) const;
+
   /// One `-name value` a line, ordered by name: the options that can change a result and differ
   /// from their defaults, and those of `always` whatever their value. In a restart those of the
   /// checkpoint, with what was set anew.
@@ -92,9 +95,6 @@ class Options {
  private:
   friend class OptionSection;
   friend class OptionPrefix;
-  /// Value of an option in the checkpoint that the run goes on from.
-  std::optional<std::string> recorded(const std::string& name) const;
-
   bool help_ = false;
   std::string prefix_;  ///< with its underscore, of the sections to be opened
   std::vector<Topic> topics_;

@@ -51,6 +51,7 @@ struct Fibre {
   double transverse = 0;     ///< Young's modulus across the axis; 0: not known
   double poisson = 0.3;      ///< Poisson's ratio across the axis
   double sheet = 0;          ///< thickness of a woven sheet; 0: the rest distance of the pair law
+  bool elastic = true;       ///< do the bond's stiffnesses follow from E and G?
   double step = 0;           ///< usual time step; 0: from the stable step
   Strength strength;
 

@@ -22,7 +22,7 @@
 namespace nanoweft {
 
 /// Far beyond what surfaces have: more stands for a slip of the pen.
-inline constexpr Bounds coefficientBounds{0.0, 1e3}, tangentialBounds{0.0, 1e3, true};
+inline constexpr Bounds coefficientBounds{0.0, 1e3}, tangentialBounds{0.0, 1.0, true};
 
 struct FrictionLaw {
   double mu = 0;

@@ -137,6 +137,9 @@ struct PairTraits {
   double largestForce = 0;      ///< bound of |u'|
   LawWidth width;
   bool keepsApart = true;  ///< does it repel fibres that touch?
+  /// Squared frequency of segments that stick to each other over that of what presses them, or 1
+  /// where that is more.
+  double sticking = 1;
 };
 
 /// Settings of the sum that are the same for all laws.
@@ -182,6 +185,7 @@ class PairForce {
   double restDistance() const { return traits_.restDistance; }
   double closestSensible() const { return traits_.closestSensible; }
   double contactStiffness() const { return traits_.contactStiffness; }
+  double sticking() const { return traits_.sticking; }
   /// Does it act where axes come closest, and not between points?
   virtual bool touches() const { return false; }
   /// Has it friction, or damping that its contacts bring along?

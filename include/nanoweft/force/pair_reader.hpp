@@ -39,6 +39,11 @@ struct PairReader {
   OptionSection of(const std::string& law) const {
     return {options, topic, is(law), "-pair is " + laws()};
   }
+  /// Is a law chosen that acts between quadrature points?
+  bool usesPoints() const {
+    return std::ranges::any_of(
+        chosen, [](const std::string& law) { return law != "none" && law != "contact"; });
+  }
   bool mixed() const { return &a != &b; }
   /// An option meant for these two, for messages.
   std::string option(const std::string& name) const { return "-" + prefix + name; }

@@ -68,10 +68,13 @@ class WallForces {
     std::int64_t row, fibre;
     std::int32_t index, wall;
   };
-  /// Of equally deep segments that with the lowest row. Collective.
+  /// By the points where segments touch walls. Of equally deep segments that with the lowest row.
+  /// Collective.
   Depth deepest(const State& state, const MinimumImage& nearest) const;
   /// The largest stiffness of the contacts of a driven wall over its mass. Collective.
   double stiffest(const State& state, const MinimumImage& nearest) const;
+  /// Distance of the points by which a segment touches walls.
+  static double pointSpacing(const Fibre& fibre);
   /// Energy of motion of the driven walls.
   double kinetic() const;
 
@@ -84,6 +87,8 @@ class WallForces {
   void place(double time);
 
  private:
+  /// Of the points of a segment.
+  double leastGap(const State& state, const MinimumImage& nearest, int i, const Wall& wall) const;
   struct Place {
     int segment;
     std::size_t wall;

@@ -49,6 +49,8 @@ class BoxDrive {
   std::array<double, 3> strains(const Box& box) const;
   /// "xy", "xz" or "yz" when the images across the second axis slide along the first; else null.
   const char* shears() const;
+  /// Are segments carried along this axis, as the box is strained along it or slides along it?
+  bool carries(int axis) const;
   /// Strain of shear since the start.
   double shear() const { return shear_ - shearStart_; }
   /// Volume to which the stress refers.

@@ -14,11 +14,18 @@
 
 namespace nanoweft {
 
+/// Which options a scene has of those of a KindMix.
+struct MixOptions {
+  bool gap = true;     ///< it chooses where its fibres lie, and so how far apart
+  bool shares = true;  ///< it has more than one fibre
+};
+
 /// Which fibre is of which kind, and how far apart two fibres lie that touch:
 /// -NAME_kinds, -NAME_shares, -NAME_gap.
 class KindMix {
  public:
-  KindMix(OptionSection& section, const std::string& scene, const SceneContext& context);
+  KindMix(OptionSection& section, const std::string& scene, const SceneContext& context,
+          MixOptions which = {});
   /// Each fibre of the kind that `kindOf` says, without options; it has no gaps.
   static std::shared_ptr<const KindMix> given(const SceneContext& context, std::int64_t fibres,
                                               const std::function<int(std::int64_t)>& kindOf);
@@ -46,6 +53,7 @@ class KindMix {
   double length(int ofFirst) const { return ofFirst * all_[kinds_[0]].length; }
 
  private:
+  void readShares(OptionSection& section, const std::string& scene);
   explicit KindMix(const SceneContext& context) : all_(context.kinds), seed_(context.seed) {}
   double share(std::size_t kind) const {
     return shares_.empty() ? 1.0 / static_cast<double>(kinds_.size()) : shares_[kind];
