@@ -44,8 +44,7 @@ class Relaxation : public Observer {
     const System& s = moment.system;
     // Without any elastic energy the motion tells whether some may come.
     const bool tells = elastic > 0 || moment.energies->kinetic + moment.energies->rotational == 0;
-    // A driven wall in flight has yet to reach the fibres.
-    const bool landed = s.forces.walls().kinetic() <= tolerance_ * elastic;
+    const bool landed = s.forces.walls().borne(s.state.comm(), tolerance_);
     converged_ = last_ >= 0 && tells && landed &&
                  std::abs(elastic - last_) <= tolerance_ * elastic &&
                  !stillDriven(s.state, s.forces, s.boundaries);

@@ -202,9 +202,9 @@ void warnOfCoarseWall(MPI_Comm comm, const Wall& w, const Kinds& kinds, const Un
     PetscPrintf(comm,
                 "  warning: %ssegments touch walls by points %.3g %s apart, too coarse for a wall "
                 "whose touch is %.3g %s wide: forces vary along the fibre; take "
-                "-fibre_segment_length %.3g\n",
-                ofKind(f).c_str(), spacing, units.length, wide, units.length,
-                f.length * wide / spacing);
+                "-%sfibre_segment_length %.3g\n",
+                ofKind(f).c_str(), spacing, units.length, 2.0 * wide, units.length,
+                f.kind.empty() ? "" : (f.kind + "_").c_str(), f.length * wide / spacing);
   }
 }
 

@@ -112,6 +112,7 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
     if (deep) refuseLargeSums();
   }
   if (!plan->checkpoint && plan->kinds.several()) lookAtKinds();
+  if (plan->boxDrive) lookAtGroups();
   if (!plan->checkpoint && state->linked) lookAtLinks();
   if (!plan->checkpoint && forces->walls() && !evaluatesOnly() && !plan->settings.startUnchecked)
     refuseInWalls();
@@ -346,6 +347,16 @@ void RunParts::lookAtKinds() {
             "-links_density makes no links between %s and %s: they have no pair law, from whose "
             "lists links are made",
             plan->kinds[i].kind.c_str(), plan->kinds[j].kind.c_str()));
+}
+
+void RunParts::lookAtGroups() {
+  for (const Boundary& b : plan->boundaries.list())
+    for (int d = 0; d < 3; ++d)
+      if (b.fix[static_cast<std::size_t>(d)] && plan->boxDrive.carries(d))
+        warnings.push_back(
+            format("%s is held along %c against the box, which carries all segments that way as it "
+                   "is driven",
+                   b.name.c_str(), "xyz"[d]));
 }
 
 void RunParts::lookAtLinks() {

@@ -123,16 +123,6 @@ void RunPlan::refuseBesideShear() const {
     throw InputError(what + ": not together with a tension test, which has grips");
 }
 
-void RunPlan::refuseHeldInDrivenBox() const {
-  for (const Boundary& b : boundaries.list())
-    for (int d = 0; d < 3; ++d)
-      if (b.fix[static_cast<std::size_t>(d)] && boxDrive.carries(d))
-        throw InputError(
-            format("-%s_fix: holds the group along %c, along which the box carries all segments "
-                   "as it is driven; give -%s_fix 0 there",
-                   b.name.c_str(), "xyz"[d], b.name.c_str()));
-}
-
 void RunPlan::refuseWithoutRest() const {
   const std::string end = "-relax_force: ends a run where no force is left; ";
   if (boundaries.tension()) throw InputError(end + "a tension test goes on moving its grips");
@@ -177,8 +167,11 @@ void RunPlan::refuseContradictions() const {
   if (boxDrive && boundaries.tension())
     throw InputError("-deform_x, _y, _z: not together with a tension test, which has grips");
   refuseBesideShear();
-  if (!checkpoint) refuseHeldInDrivenBox();
   if (minimises()) refuseForMinimiser();
+  for (const Wall& w : walls)
+    if (settings.relaxTolerance > 0 && w.travels() && !checkpoint)
+      throw InputError("-relax_tolerance: there is no rest to end at, since the wall " + w.name +
+                       " moves for ever (-" + w.name + "_stop)");
   if (settings.relaxForce > 0) refuseWithoutRest();
   // A restart has the box of its checkpoint, whatever is thought of it now.
   if (!checkpoint) refuseWallsAcross();

@@ -22,9 +22,9 @@ double usualModulus(const Fibre& a, const Fibre& b) {
 
 /// With the defaults of `usual`, where NaN stands for what has to be given.
 FrictionLaw readFriction(const PairReader& read, OptionSection& s, const FrictionLaw& usual) {
-  auto real = [&](OptionSection& of, bool used, const char* name, double value, const char* help,
-                  const Bounds& bounds) {
-    const double found = of.real(name, std::isnan(value) ? 0.0 : value, "", help, bounds);
+  auto real = [&](OptionSection& of, bool used, const char* name, double value, double without,
+                  const char* help, const Bounds& bounds) {
+    const double found = of.real(name, std::isnan(value) ? without : value, "", help, bounds);
     if (std::isnan(value) && !of.given(name) && used)
       throw InputError("-pair contact: give " + read.option(name) +
                        ", since the two kinds' own differ");
@@ -32,15 +32,15 @@ FrictionLaw readFriction(const PairReader& read, OptionSection& s, const Frictio
   };
   FrictionLaw law;
   const bool touches = read.is("contact");
-  law.mu =
-      real(s, touches, "contact_friction", usual.mu, "coefficient of friction", coefficientBounds);
+  law.mu = real(s, touches, "contact_friction", usual.mu, 0.0, "coefficient of friction",
+                coefficientBounds);
   const bool rubs = touches && law.mu > 0;
   OptionSection sticking(read.options, PairReader::topic, rubs,
                          touches ? "there is no -contact_friction" : "-pair is " + read.laws());
   law.tangential =
-      real(sticking, rubs, "contact_tangential", usual.tangential,
+      real(sticking, rubs, "contact_tangential", usual.tangential, law.tangential,
            "stiffness of a contact along the surfaces over that across", tangentialBounds);
-  law.restitution = real(s, touches, "contact_restitution", usual.restitution,
+  law.restitution = real(s, touches, "contact_restitution", usual.restitution, law.restitution,
                          "speed after a collision of two segments over that before it; 1: not "
                          "damped; 0 counts as 0.001",
                          {0.0, 1.0});
@@ -75,12 +75,13 @@ std::unique_ptr<PairForce> readContact(const PairReader& read, const PairChoice&
     traits.description += format(", friction %g, tangential stiffness %.4g, restitution %g",
                                  friction.mu, friction.tangential, friction.restitution);
   traits.cutoff = traits.restDistance = law.touch();
-  // A segment's surface gives way to a force along it by moving and by turning.
+  // In a bundle six neighbours press a segment, and all six hold back its turning: 12 k_t r^2/I
+  // where both sides turn, and 6 k/m across.
   for (const Fibre* f : {&a, &b})
     if (friction.mu > 0)
-      traits.sticking =
-          std::max(traits.sticking,
-                   friction.tangential * (1.0 + f->mass * f->radius * f->radius / f->inertia));
+      traits.sticking = std::max(
+          traits.sticking,
+          2.0 * friction.tangential * std::max(1.0, f->mass * f->radius * f->radius / f->inertia));
   // Deeper than a radius, fibres have passed through each other.
   traits.closestSensible = law.touch() - thinner;
   traits.radius = {a.radius, b.radius};

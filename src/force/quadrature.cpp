@@ -206,19 +206,21 @@ std::vector<std::string> pointWarnings(const PairForce& pair, const Fibre& a, co
   std::vector<std::string> warnings;
   addPointWarnings(a, pair.points().near.i, pair, units, warnings);
   if (&a != &b) addPointWarnings(b, pair.points().near.j, pair, units, warnings);
-  // From where the far part begins, it is as wide as a law with that gap.
-  if (pair.points().split()) {
+  // Within one kind the error that the header expects tells. From where the far part begins, it is
+  // as wide as a law with that gap.
+  if (pair.points().split() && &a != &b) {
     const double from = pair.points().from, gap = from - (a.radius + b.radius);
     auto look = [&](const Fibre& own, int points) {
       const int least = pointsNeeded(own.length, from, gap, coarsestSpacing);
       if (points < least)
-        warnings.push_back(format(
-            "-pair_far_points %d: %.4g %s apart, too coarse from %.4g %s on, where the law's far "
-            "part begins; take %d at least, or a larger -pair_far_from",
-            points, own.length / points, units.length, from, units.length, least));
+        warnings.push_back(
+            format("-%s_pair_far_points %d: %.4g %s apart, too coarse from %.4g %s on, where the "
+                   "law's far part begins; take %d at least, or a larger -%s_%s_pair_far_from",
+                   own.kind.c_str(), points, own.length / points, units.length, from, units.length,
+                   least, a.kind.c_str(), b.kind.c_str()));
     };
     look(a, pair.points().far.i);
-    if (&a != &b) look(b, pair.points().far.j);
+    look(b, pair.points().far.j);
   }
   return warnings;
 }

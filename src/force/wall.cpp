@@ -7,6 +7,14 @@
 
 namespace nanoweft {
 
+bool Wall::slidesInItself() const {
+  const double whole = norm(velocity), along = std::abs(dot(velocity, axis));
+  if (whole == 0) return true;
+  return shape == plane      ? along <= 1e-12 * whole
+         : shape == cylinder ? along >= (1.0 - 1e-12) * whole
+                             : false;
+}
+
 Vec3d Wall::wayAt(double time) const {
   const double t = stop > 0 ? std::min(time, stop) : time;
   return (ramp > 0 && t < ramp ? 0.5 * t * t / ramp : t - 0.5 * ramp) * velocity;
@@ -127,11 +135,7 @@ class WallReader {
     }
     w.friction.mu = real("_friction", 0.0, coefficientBounds);
     w.friction.restitution = real("_restitution", 1.0, {0.0, 1.0});
-    const double speed = norm(w.velocity), along = std::abs(dot(w.velocity, w.axis));
-    const bool slides = speed > 0 && (w.shape == Wall::plane      ? along <= 1e-12 * speed
-                                      : w.shape == Wall::cylinder ? along >= (1.0 - 1e-12) * speed
-                                                                  : false);
-    if (slides && w.friction.mu == 0)
+    if (norm(w.velocity) > 0 && w.slidesInItself() && w.friction.mu == 0)
       throw InputError(option("_velocity") + ": not used by this run: a wall without " +
                        option("_friction") + " that slides in itself drags nothing along");
     if (w.spin != 0 && w.friction.mu == 0)

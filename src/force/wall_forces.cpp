@@ -304,6 +304,19 @@ double WallForces::stiffest(const State& state, const MinimumImage& nearest) con
   return largest;
 }
 
+bool WallForces::borne(MPI_Comm comm, double share) const {
+  if (!driven()) return true;
+  const std::vector<double> all = felt(comm);
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    const Vec3d& force = walls_[w].force;
+    if (const double whole = norm(force);
+        walls_[w].driven() && std::abs(dot(force + triple(all.data(), 3 * static_cast<int>(w)),
+                                           force)) > share * whole * whole)
+      return false;
+  }
+  return true;
+}
+
 double WallForces::pointSpacing(const Fibre& fibre) {
   return fibre.length / points;
 }

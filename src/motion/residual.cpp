@@ -10,7 +10,7 @@ bool stillDriven(const State& state, const ForceField& forces, const Boundaries&
   return boundaries.loadsGrow(state.time) ||
          std::ranges::any_of(forces.walls().list(), [&](const Wall& w) {
            return w.driven() ? w.factor(state.time) < 1
-                             : w.moves() && (w.stop == 0 || state.time < w.stop);
+                             : w.travels() || (w.moves() && state.time < w.stop);
          });
 }
 

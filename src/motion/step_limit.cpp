@@ -196,11 +196,6 @@ double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   if (!std::isfinite(eigenvalue) || !std::isfinite(norm))
     return std::numeric_limits<double>::quiet_NaN();
   if (!(eigenvalue > 0)) return std::numeric_limits<double>::infinity();
-  // The stiffness above is that of slipping contacts.
-  double sticking = 1;
-  for (const auto& c : forces.pairs().classes())
-    if (state.extras().friction) sticking = std::max(sticking, c.force->sticking());
-  eigenvalue *= sticking;
   return withViscosity(2.0 / std::sqrt(eigenvalue),
                        state.extras().viscous ? slowest(forces.kinds()) : 0.0);
 }

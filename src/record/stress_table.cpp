@@ -40,8 +40,6 @@ class StressTable : public TableObserver {
   void check(const OutputContext& context) const override {
     if (wanted() && !boundaries_.tension())
       throw InputError("-stress_monitor: there is no tension test; give -tension_rate");
-    if (!wanted() && !context.restart && boundaries_.tension() && boundaries_.tension()->lateral)
-      throw InputError("-tension_lateral: not used by this run, which has no -stress_monitor");
     TableObserver::check(context);
   }
   void begin(const Moment& moment) override {

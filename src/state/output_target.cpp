@@ -91,6 +91,8 @@ std::string differenceOfRuns(const Provenance& other, const Provenance& mine) {
   }
   for (const auto& [name, value] : ours)
     if (!theirs.contains(name)) return "this run has " + name + " " + value + ", it not";
+  if (other.input.empty() && !mine.input.empty())
+    return "it does not say which file it started from";
   if (other.input != mine.input) return "it started from another file";
   if (other.version != mine.version)
     return "it is of version '" + other.version + "', this run of '" + mine.version + "'";

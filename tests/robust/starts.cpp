@@ -465,12 +465,13 @@ TEST(Starts, TheDeepestOverlapIsFoundWhateverStandsBeforeIt) {
 TEST(Starts, FarPointsThatAreTooFewAreWarnedOf) {
   const Folder folder;
   for (const auto& [from, warned] : {std::pair{"30", true}, std::pair{"38", false}}) {
-    const auto outcome = run(
-        folder, std::string("-scene fibre -fibre_segments 6 -fibre_segment_length 27.12 "
-                            "-pair_points 9 -pair_far_points 1 -ts_max_steps 0 -pair_far_from ") +
-                    from);
+    const auto outcome =
+        run(folder, std::string("-kinds a,b -weave_kinds a,b -weave_fibres 2,2 -weave_segments 24 "
+                                "-fibre_segment_length 27.12 -b_fibre_young 900 -pair_points 9 "
+                                "-pair_far_points 1 -ts_max_steps 0 -pair_far_from ") +
+                        from);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
-    EXPECT_EQ(outcome.output.find("warning: -pair_far_points 1") != std::string::npos, warned)
+    EXPECT_EQ(outcome.output.find("warning: -a_pair_far_points 1") != std::string::npos, warned)
         << outcome.output;
   }
 }

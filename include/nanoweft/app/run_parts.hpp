@@ -76,6 +76,8 @@ struct RunParts {
   void refuseLargeSums() const;
   /// Keeps a warning for the header where no segment is of a kind.
   void lookAtKinds();
+  /// Keeps a warning for the header where a group is held along a direction in which the box moves.
+  void lookAtGroups();
   /// Keeps a warning for the header where a link is far from its rest.
   void lookAtLinks();
   /// Refuses a start with fibres inside walls.

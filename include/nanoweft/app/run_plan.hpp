@@ -72,7 +72,6 @@ struct RunPlan {
   /// Prefixes of options must tell what they belong to.
   void refuseSharedNames() const;
   void refuseBesideShear() const;
-  void refuseHeldInDrivenBox() const;
   bool seeNewStep(const Options& options) const;
   /// Throws InputError when two outputs are one file.
   void requireDistinctOutputs() const;

@@ -121,8 +121,7 @@ class OptionPrefix {
   std::string before_;
 };
 
-/// Do names of PETSc's own options begin with this word and an underscore (-draw_...)? Those are
-/// never counted as unknown.
+/// Do names of PETSc's own options begin with this word and an underscore (-draw_...)?
 bool beginsPetscOptions(const std::string& word);
 
 /// Throws InputError for names of things (a kind of fibre, a wall) that cannot begin the names of

@@ -137,8 +137,8 @@ struct PairTraits {
   double largestForce = 0;      ///< bound of |u'|
   LawWidth width;
   bool keepsApart = true;  ///< does it repel fibres that touch?
-  /// Squared frequency of segments that stick to each other over that of what presses them, or 1
-  /// where that is more.
+  /// Squared frequency of pressed fibres whose segments stick to each other over that of what
+  /// presses them, or 1 where that is more.
   double sticking = 1;
 };
 

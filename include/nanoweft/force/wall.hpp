@@ -38,6 +38,10 @@ struct Wall {
 
   bool driven() const { return norm(force) > 0; }
   bool moves() const { return norm(velocity) > 0 || spin != 0; }
+  /// Does its prescribed motion leave the surface where it is?
+  bool slidesInItself() const;
+  /// Does it go on for ever, and the surface with it?
+  bool travels() const { return stop == 0 && norm(velocity) > 0 && !slidesInItself(); }
   Vec3d at() const { return point + moved; }
   double factor(double time) const { return ramp > 0 && time < ramp ? time / ramp : 1.0; }
   /// Way of a prescribed motion at a time.

@@ -75,6 +75,9 @@ class WallForces {
   double stiffest(const State& state, const MinimumImage& nearest) const;
   /// Distance of the points by which a segment touches walls.
   static double pointSpacing(const Fibre& fibre);
+  /// Do the fibres bear what drives each driven wall, but for this share of it? Not while it is on
+  /// its way to them. Collective.
+  bool borne(MPI_Comm comm, double share) const;
   /// Energy of motion of the driven walls.
   double kinetic() const;
 
