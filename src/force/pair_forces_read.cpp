@@ -248,7 +248,8 @@ std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& 
   if (choice.single && !read.accuracy && read.a.kind.empty() &&
       !compiled(choice.points.near, choice.length))
     throw InputError(
-        format("-pair_precision single: has no effect with -pair_points %d; at most %d",
+        format("-pair_precision single: has no effect with %d points a segment; at most %d have it "
+               "(-pair_points)",
                choice.points.near.i, mostCompiledPoints));
   if (law.spliceDistance() >= p.switchFrom || law.restDistance() >= p.switchFrom)
     throw InputError(read.prefix.empty()

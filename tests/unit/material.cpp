@@ -301,7 +301,8 @@ TEST(ForceError, AnAccuracyTakesSinglePrecisionWhereThatPays) {
   EXPECT_FALSE(single(""));
   if (!singlePrecisionPays()) return;
   EXPECT_TRUE(single("-pair_precision single -pair_points 9"));
-  EXPECT_FALSE(single("-pair_precision single -pair_points 10"));  // counted in doubles
+  // More points are always counted in doubles.
+  EXPECT_THROW(single("-pair_precision single -pair_points 10"), InputError);
 }
 
 TEST(ForceError, PointsTooCoarseForTheLawAreNamed) {
