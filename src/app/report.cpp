@@ -18,6 +18,10 @@ namespace {
 
 /// Share of damping in the work of grips and loads beyond which the summary has a remark on it.
 constexpr double noticedDampingShare = 0.05;
+/// Excess of the distance of held segments over the gage that is warned of.
+constexpr double noticedGage = 0.01;
+/// Error of the energy balance, over the energy that there was, that is remarked on.
+constexpr double noticedDrift = 0.05;
 
 /// "cnt " in front of what belongs to the kind cnt; nothing where kinds have no names.
 std::string ofKind(const Fibre& f) {
@@ -183,6 +187,13 @@ void printTension(const State& state, const Tension& t, const UnitSystem& units)
   PetscPrintf(comm, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, %s 1/%s\n",
               "xyz"[t.axis], t.gage, units.length, t.width, units.length, t.thickness, units.length,
               course.c_str(), units.time);
+  if (std::isfinite(t.between) && t.between > (1.0 + noticedGage) * t.gage)
+    PetscPrintf(
+        comm,
+        "  warning: the innermost segments that the grips hold are %.5g %s from each other, "
+        "and strain is counted by the gage: it is %.2g %% too large; let the grips end at "
+        "segments (-tension_grip)\n",
+        t.between, units.length, 100.0 * (t.between / t.gage - 1.0));
   const HeldFibres held = heldFibres(state);
   PetscPrintf(comm,
               "    grips hold fibres: %lld both, %lld the left one only, %lld the right one\n",
@@ -420,6 +431,23 @@ void printDampingShare(const RunPlan& plan, const Energies& e) {
         damping);
 }
 
+/// A minimiser's path is no motion, and a thermostat turns over more than what there was.
+void remarkOnDrift(const RunParts& parts, const Moment& end) {
+  if (parts.plan->minimises() || parts.plan->settings.thermostat) return;
+  const Energies &e = *end.energies, &first = end.first;
+  const double drift = std::abs(e.balance() - first.balance()),
+               there = first.elastic() + first.kinetic + first.rotational +
+                       std::abs(e.external - first.external) + std::abs(e.pair - first.pair),
+               roundOff = 1e-9 * parts.plan->kinds.energyScale() *
+                          static_cast<double>(parts.state->total());
+  if (drift > std::max(noticedDrift * there, roundOff))
+    PetscPrintf(
+        parts.plan->comm,
+        "  warning: that is %.2g %% of the energy that there was to turn into motion; take a "
+        "smaller -ts_dt\n",
+        100.0 * drift / there);
+}
+
 }  // namespace
 
 void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, double team) {
@@ -436,6 +464,7 @@ void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, 
               "%.6g, external %.6g, broken %.6g%s)\n",
               rubs ? " + friction" : "", heated ? " - heat" : "", e.balance() - end.first.balance(),
               plan.units.energy, e.damped, e.external, e.broken, others.c_str());
+  remarkOnDrift(parts, end);
   printDampingShare(plan, e);
   if (parts.limits.lowest < parts.limits.first) {
     PetscPrintf(plan.comm, "stable step: %.4g %s at the start, %.4g at the lowest\n",

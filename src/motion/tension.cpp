@@ -195,11 +195,23 @@ void Tension::measure(State& state) {
     if (!(width > 0))
       throw InputError("-tension_width: the piece has no width of its own; give one");
   }
+  // Grips are often some segments long: round-off must not decide on the last one.
+  const double rim = 1e-6 * grip;
+  double inner[2] = {-std::numeric_limits<double>::infinity(),
+                     -std::numeric_limits<double>::infinity()};
   for (int i = 0; i < state.owned(); ++i) {
     const double x = state.pose[8 * i + axis];
-    if (x <= lower + grip) state.group[i] |= 1 << leftGripBit;
-    if (x >= upper - grip) state.group[i] |= 1 << rightGripBit;
+    if (x <= lower + grip + rim) {
+      state.group[i] |= 1 << leftGripBit;
+      inner[0] = std::max(inner[0], x);
+    }
+    if (x >= upper - grip - rim) {
+      state.group[i] |= 1 << rightGripBit;
+      inner[1] = std::max(inner[1], -x);
+    }
   }
+  MPI_Allreduce(MPI_IN_PLACE, inner, 2, MPI_DOUBLE, MPI_MAX, state.comm());
+  between = -inner[1] - inner[0];
   if (program) program->begin(start, before);
   if (lateral) measureSpread(state);
 }

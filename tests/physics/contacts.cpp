@@ -81,6 +81,28 @@ TEST(Friction, HoldsABarBelowItsAngleAndLetsItSlideAboveIt) {
               energies.at("total").front(), 1e-7);
 }
 
+TEST(Friction, OfWhatIsHeldAndSlidesIsMuNWithAndWithoutDamping) {
+  // The load does not change, so the spring keeps its length once it has yielded.
+  for (const std::string restitution : {"1", "0.5"}) {
+    const Folder folder;
+    writeState(folder / "in.h5", {straightFibre({-3 * T, 0, 0}, {1, 0, 0}, 7),
+                                  straightFibre({0, -3 * T, 2 * tube::rf - 0.2}, {0, 1, 0}, 7)});
+    setDataset(folder / "in.h5", "group", {1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2}, 1);
+    const auto outcome =
+        run(folder,
+            "-scene file -scene_file in.h5 -scene_file_edited -pair contact -contact_modulus 20 "
+            "-contact_friction 0.3 -bc a,b -a_group 0 -a_fix 1,1,1 -a_fix_rotation -b_group 1 "
+            "-b_velocity 1e-4,0,0 -b_fix_rotation -ts_dt 20 -ts_max_steps 3000 -group_monitor "
+            "ascii:g.csv -monitor_interval 1 -progress_interval 0 -contact_restitution " +
+                restitution);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const auto table = readCsv(folder / "g.csv");
+    const auto &x = table.at("a_force_x"), &z = table.at("a_force_z");
+    for (std::size_t k = x.size() / 2; k < x.size(); ++k)
+      ASSERT_NEAR(std::abs(x[k] / z[k]), 0.3, 1e-6) << k << " restitution " << restitution;
+  }
+}
+
 TEST(Friction, AHeldBarDoesNotCreep) {
   Bar bar;
   bar.draw(0.25, 30000);

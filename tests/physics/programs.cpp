@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numbers>
 
 #include "support/expect.hpp"
 #include "support/formulas.hpp"
@@ -128,6 +130,45 @@ TEST(Tension, SaysWhichFibresTheGripsHold) {
         std::string::npos)
         << outcome.output;
   }
+}
+
+TEST(Tension, HoldsTheSameSegmentsInAllUnitsWhereAGripEndsAtOne) {
+  // The default grips are five segments long. Twenty bonds are free, which the gage is long.
+  const struct {
+    const char *preset, *radius, *rate;
+    double young;
+  } fibres[] = {{"carbon_t300", "3.5e-6", "5e4", 230}, {"nylon_ef", "3e-7", "8e4", 2.8}};
+  for (const auto& f : fibres) {
+    const Folder folder;
+    const double side = 2 * std::atof(f.radius);
+    char section[80];
+    std::snprintf(section, sizeof section, "-tension_width %g -tension_thickness %g", side, side);
+    const auto outcome =
+        run(folder, std::string("-units si -scene fibre -fibre_segments 31 -progress_interval 0 "
+                                "-fibre_preset ") +
+                        f.preset + " -tension_program 0.002," + f.rate +
+                        " -stress_monitor ascii:s.csv " + section);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("innermost segments"), std::string::npos) << outcome.output;
+    const auto table = readCsv(folder / "s.csv");
+    const double stress =
+        0.5 * (table.at("stress_left_GPa").back() + table.at("stress_right_GPa").back());
+    EXPECT_NEAR(stress / table.at("strain").back() / (f.young * std::numbers::pi / 4), 1.0, 0.01)
+        << f.preset;
+  }
+}
+
+TEST(Tension, WarnsWhereGripsEndBetweenSegmentsOfAShortGage) {
+  const Folder folder;
+  const auto outcome = run(folder,
+                           "-scene fibre -fibre_segments 21 -pair none -tension_rate 1e-7 "
+                           "-tension_width 10 -tension_grip 60 -ts_dt 15 -ts_max_steps 1",
+                           2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // Four segments further apart at each end: (271.2 - 2 x 54.24)/(271.2 - 2 x 60).
+  EXPECT_NE(outcome.output.find("hold are 162.72 A from each other"), std::string::npos)
+      << outcome.output;
+  EXPECT_NE(outcome.output.find("it is 7.6 % too large"), std::string::npos) << outcome.output;
 }
 
 TEST(TensionRamps, EndWithinAStepWithTheStrainThatTheGripsHave) {

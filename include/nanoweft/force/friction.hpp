@@ -58,9 +58,9 @@ struct FrictionLaw {
     const double bound = mu * patch.load;
     if (const double size = norm(force); size > bound) {
       force = (bound / size) * force;
-      xi = (1.0 / stiffness) * (force - damping * along);
       // Damping alone may exceed the bound; then the spring is slack.
-      if (norm(xi) * stiffness > bound) xi = {0, 0, 0};
+      const Vec3d viscous = damping * along;
+      xi = norm(viscous) > bound ? Vec3d{} : (1.0 / stiffness) * (force - viscous);
     }
     spring[0] = xi.x, spring[1] = xi.y, spring[2] = xi.z;
     Action action;
