@@ -108,6 +108,25 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
     PetscPrintf(comm, "  warning: %s\n", warning.c_str());
 }
 
+/// Ranges over the segment length below which a segment's pairs along another fibre are too few to
+/// stand for a density.
+constexpr double shortRange = 2.0;
+
+void warnOfShortDamping(const RunPlan& plan, const PairForces& pairs) {
+  if (!plan.settings.viscous || !pairs) return;
+  for (const PairForces::Class& c : pairs.classes()) {
+    const Fibre &a = plan.kinds[c.first], &b = plan.kinds[c.second];
+    if (c.force->cutoff() > shortRange * std::max(a.length, b.length)) continue;
+    PetscPrintf(
+        plan.comm,
+        "  warning: -damping_viscous acts between pairs of segments within the range of their "
+        "law, %.4g %s, which is short beside segments of %.4g %s: it depends on their "
+        "length\n",
+        c.force->cutoff(), plan.units.length, std::max(a.length, b.length), plan.units.length);
+    return;
+  }
+}
+
 void printPairForces(MPI_Comm comm, const PairForces& pairs, const Kinds& kinds,
                      const UnitSystem& units) {
   if (!pairs) PetscPrintf(comm, "  pair forces: none\n");
@@ -330,6 +349,7 @@ void printHeader(const RunParts& parts, const Moment& start) {
     PetscPrintf(plan.comm, "  %s\n", packing.c_str());
   for (const Fibre& fibre : plan.kinds) printFibre(plan.comm, fibre, units);
   printPairForces(plan.comm, parts.forces->pairs(), plan.kinds, units);
+  warnOfShortDamping(plan, parts.forces->pairs());
   for (int k = 0; k < plan.kinds.count(); ++k)
     if (const auto& law = plan.breakage[k]) printBreakage(plan.comm, *law, plan.kinds[k], units);
   if (parts.state->linked) printLinks(parts);

@@ -41,8 +41,8 @@ FrictionLaw readFriction(const PairReader& read, OptionSection& s, const Frictio
       real(sticking, rubs, "contact_tangential", usual.tangential, law.tangential,
            "stiffness of a contact along the surfaces over that across", tangentialBounds);
   law.restitution = real(s, touches, "contact_restitution", usual.restitution, law.restitution,
-                         "speed after a collision of two segments over that before it; 1: not "
-                         "damped; 0 counts as 0.001",
+                         "speed after a collision on a linear spring over that before it "
+                         "(crossed segments: manual, 19); 1: not damped; 0 counts as 0.001",
                          {0.0, 1.0});
   law.mass = read.a.mass * read.b.mass / (read.a.mass + read.b.mass);
   return law;

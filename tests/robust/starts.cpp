@@ -462,6 +462,19 @@ TEST(Starts, TheDeepestOverlapIsFoundWhateverStandsBeforeIt) {
                   {"fibre 2 segment 7", "fibre 3 segment 0"});
 }
 
+TEST(Starts, ViscousDampingOfFewPairsIsWarnedOf) {
+  const Folder folder;
+  for (const auto& [law, warned] :
+       {std::pair{"vdw", false}, std::pair{"hertz", true}, std::pair{"vdw,hertz", true}}) {
+    const auto outcome = run(folder, std::string("-scene fibre -fibre_segments 6 -ts_max_steps 0 "
+                                                 "-damping_viscous 1 -pair ") +
+                                         law);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("warning: -damping_viscous") != std::string::npos, warned)
+        << outcome.output;
+  }
+}
+
 TEST(Starts, FarPointsThatAreTooFewAreWarnedOf) {
   const Folder folder;
   for (const auto& [from, warned] : {std::pair{"30", true}, std::pair{"38", false}}) {

@@ -124,8 +124,8 @@ def capstan():
                     for share in (0.99, 1.01))
     return [Row(FRICTION, "fibre over a rod at 0.99 of exp(mu phi R/(R + rf)): speed, A/fs", 0.0,
                 below, below, 1e-6, "it rests"),
-            Row(FRICTION, "the same at 1.01: speed beyond 2e-6 A/fs", 2e-6, above,
-                float(np.maximum(0.0, 2e-6 - above)), 1e-12, "it slides")]
+            Row(FRICTION, "the same at 1.01: speed beyond 1e-6 A/fs", 1e-6, above,
+                float(np.maximum(0.0, 1e-6 - above)), 1e-12, "it slides")]
 
 
 def pressed(name, length=T):
