@@ -20,6 +20,7 @@ class EnergyWatch : public Observer {
         alarm_(context.settings.energyAlarm),
         // A minimiser chooses its steps itself.
         dt_(context.settings.minimises() ? std::nullopt : context.settings.dt),
+        box_(context.boxDrive),
         booked_(context.boxDrive ? context.boxDrive.interval() : 1),
         thermostat_(context.settings.thermostat) {}
 
@@ -83,6 +84,7 @@ class EnergyWatch : public Observer {
   const UnitSystem& units_;
   double alarm_;
   std::optional<double> dt_;
+  const BoxDrive& box_;
   long booked_;  ///< the accounts are whole every so many steps: a driven box books its work so
   std::optional<Thermostat> thermostat_;
   /// What the run started with: energy balance, elastic energy and that of motion, accounts, time.
@@ -108,12 +110,13 @@ void EnergyWatch::observe(const Moment& moment) {
 
 double EnergyWatch::availableAt(const Moment& moment) const {
   const Energies& e = *moment.energies;
-  // The start's own, the work done on the fibres, and what the fibres gained by coming together.
-  // The most so far counts, since Verlet's error stays when the motion that made it is over; a
-  // thermostat makes new motion all the time. The last term keeps round-off of a scene at rest from
-  // an alarm.
+  // The start's own, the work done on the fibres (by a box, both ways), and what the fibres gained
+  // by coming together. The most so far counts, since Verlet's error stays when the motion that
+  // made it is over; a thermostat makes new motion all the time. The last term keeps round-off of a
+  // scene at rest from an alarm.
   return std::max(available_, start_.own + std::abs(e.external - start_.external) +
                                   std::abs(e.pair - start_.pair) + turnedOver(moment) +
+                                  box_.turnedOver() +
                                   1e-9 * moment.system.forces.kinds().energyScale() *
                                       static_cast<double>(moment.state().total()));
 }

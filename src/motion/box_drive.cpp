@@ -13,6 +13,7 @@ namespace {
 constexpr const char* names[6] = {"x", "y", "z", "xy", "xz", "yz"};
 constexpr const char* topic = "Periodic box";
 constexpr const char* servoName = "deform_servo";
+constexpr const char* turnedOverName = "deform_turned_over";
 
 }  // namespace
 
@@ -159,6 +160,8 @@ void BoxDrive::attach(const Box& box, const RunRecord& record, bool restart) {
     since_[d] = numbers[6 + d];
     if (axes_[d].mode == stress) axes_[d].rate = numbers[9 + d];
   }
+  // Checkpoints of earlier programs lack it.
+  if (record.reals.contains(turnedOverName)) turnedOver_ = record.needReals(turnedOverName, 1)[0];
   attachServos(record);
 }
 
@@ -210,6 +213,7 @@ void BoxDrive::save(RunRecord& record) const {
     numbers.insert(numbers.end(), part->begin(), part->end());
   for (std::size_t d = 0; d < 3; ++d)
     numbers.push_back(axes_[d].mode == stress ? axes_[d].rate : 0.0);
+  record.reals[turnedOverName] = {turnedOver_};
   saveServos(record);
   if (sheared_ == none) return;
   const Axis& axis = axes_[sheared_];
@@ -334,6 +338,8 @@ void BoxDrive::note(const State& state, const ForceField& forces,
   // Rates are those of a strain that is `scale` times the one since then.
   auto see = [&](Axis& axis, double now, double& then, double& since, double scale) {
     work += 0.5 * unit_ * (volumeNow * now - volumeThen * then) * since;
+    turnedOver_ +=
+        0.5 * unit_ * (volumeNow * std::abs(now) + volumeThen * std::abs(then)) * std::abs(since);
     if (axis.mode == BoxDrive::stress)
       axis.rate = axis.servo.rate(servo_, {axis.target - then, axis.target - now, scale * since});
     then = now;

@@ -270,5 +270,20 @@ TEST(Box, WhatCannotBeMeantIsRefused) {
   for (const auto& c : cases) expectRefused(run(folder, weave + c.options), c.says);
 }
 
+TEST(BoxDrive, ThatBouncesAtTheStartIsNotTakenForUnstable) {
+  // Stiff contacts let go within the first interval between measurements of the stress.
+  const Folder folder;
+  const auto outcome =
+      run(folder,
+          "-units si -fibre_preset carbon_t300 -fibre_segment_length 3.5e-6 -pair contact "
+          "-contact_friction 0.3 -contact_restitution 0.3 -scene weave -weave_fibres 2,2 "
+          "-weave_filaments 4,1 -weave_segments 28 -weave_periodic -weave_rest shaped "
+          "-damping_local 0.2 -deform_x free -deform_y free -deform_thickness 1.4e-5 "
+          "-deform_modulus 20 -deform_time 2e-9 -deform_most_rate 1e5 -ts_max_steps 400 "
+          "-fibre_bond_stiffness 2.529e6,3.098e-6,-5.332e-7,3.367e-8 -contact_modulus 75 "
+          "-progress_interval 0");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+}
+
 }  // namespace
 }  // namespace nanoweft::test

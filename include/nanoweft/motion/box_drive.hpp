@@ -49,6 +49,9 @@ class BoxDrive {
   std::array<double, 3> strains(const Box& box) const;
   /// "xy", "xz" or "yz" when the images across the second axis slide along the first; else null.
   const char* shears() const;
+  /// Size of the work that the box has done so far, whichever way: what is booked of it is as
+  /// right as the stress is smooth from measurement to measurement.
+  double turnedOver() const { return turnedOver_; }
   /// Are segments carried along this axis, as the box is strained along it or slides along it?
   bool carries(int axis) const;
   /// Strain of shear since the start.
@@ -101,6 +104,7 @@ class BoxDrive {
   double shearStress_ = 0, shearSince_ = 0;  ///< as stress_ and since_
   std::array<double, 3> factor_{1, 1, 1};    ///< by which this step stretches the box
   double slid_ = 0;                          ///< shear of this step
+  double turnedOver_ = 0;
 };
 
 }  // namespace nanoweft
