@@ -8,6 +8,7 @@
 #include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/index_map.hpp"
 #include "nanoweft/base/normal_lanes.hpp"
+#include "nanoweft/base/petsc_names.hpp"
 #include "nanoweft/base/random.hpp"
 #include "nanoweft/base/units.hpp"
 #include "nanoweft/fibre/material.hpp"
@@ -17,6 +18,15 @@
 
 namespace nanoweft::test {
 namespace {
+
+TEST(PetscNames, AreThoseOfItsOwnOptionsAndNotAllThatBeginSo) {
+  for (const char* own : {"log_view", "draw_pause", "draw_save", "options_left"})
+    EXPECT_TRUE(belongsToPetsc(own)) << own;
+  for (const char* other : {"dm_nonsense", "draw_", "draw_nonsense", "weave_fibres"})
+    EXPECT_FALSE(belongsToPetsc(other)) << other;
+  EXPECT_TRUE(beginsPetscOptions("draw"));
+  EXPECT_FALSE(beginsPetscOptions("drawn"));
+}
 
 TEST(Units, CodataConversions) {
   EXPECT_NEAR(nanoUnits().mass, 103.642697, 1e-6);         // eV fs^2/A^2 per amu

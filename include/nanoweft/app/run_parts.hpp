@@ -74,7 +74,8 @@ struct RunParts {
   std::uint64_t stageSeed() const;
   /// Refuses a start whose pair forces are too large for the sums of ForceField.
   void refuseLargeSums() const;
-  /// Keeps a warning for the header where no segment is of a kind.
+  /// Keeps warnings for the header where no segment is of a kind, and where links that are to be
+  /// made cannot join two kinds.
   void lookAtKinds();
   /// Keeps a warning for the header where a group is held along a direction in which the box moves.
   void lookAtGroups();

@@ -121,9 +121,6 @@ class OptionPrefix {
   std::string before_;
 };
 
-/// Do names of PETSc's own options begin with this word and an underscore (-draw_...)?
-bool beginsPetscOptions(const std::string& word);
-
 /// Throws InputError for names of things (a kind of fibre, a wall) that cannot begin the names of
 /// their options, or that are given twice. `option`: what lists them. `joined`: letters may follow
 /// an underscore, which the names of two kinds could not have.

@@ -26,14 +26,15 @@ struct Strength {
 
 /// One kind of fibre, in internal units.
 struct Fibre {
-  double radius = 0;   ///< rf, which is where others touch it
-  double wall = 0;     ///< h of a tube; 0: a solid round fibre
-  double middle = 0;   ///< radius of the middle surface of a tube's thick wall; 0: rf
-  double young = 0;    ///< E
-  double shear = 0;    ///< G
-  double mass = 0;     ///< of a segment
-  double length = 0;   ///< T of a segment
-  double inertia = 0;  ///< of a segment, isotropic
+  double radius = 0;    ///< rf, which is where others touch it
+  double wall = 0;      ///< h of a tube; 0: a solid round fibre
+  double middle = 0;    ///< radius of the middle surface of a tube's thick wall; 0: rf
+  double young = 0;     ///< E
+  double shear = 0;     ///< G
+  bool elastic = true;  ///< do the bond's stiffnesses follow from E and G?
+  double mass = 0;      ///< of a segment
+  double length = 0;    ///< T of a segment
+  double inertia = 0;   ///< of a segment, isotropic
   EvmBond bond;
   Kink kink;
   BondViscosity viscosity;
@@ -51,7 +52,6 @@ struct Fibre {
   double transverse = 0;     ///< Young's modulus across the axis; 0: not known
   double poisson = 0.3;      ///< Poisson's ratio across the axis
   double sheet = 0;          ///< thickness of a woven sheet; 0: the rest distance of the pair law
-  bool elastic = true;       ///< do the bond's stiffnesses follow from E and G?
   double step = 0;           ///< usual time step; 0: from the stable step
   Strength strength;
 

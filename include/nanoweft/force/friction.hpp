@@ -22,7 +22,9 @@
 namespace nanoweft {
 
 /// Far beyond what surfaces have: more stands for a slip of the pen.
-inline constexpr Bounds coefficientBounds{0.0, 1e3}, tangentialBounds{0.0, 1.0, true};
+inline constexpr Bounds coefficientBounds{0.0, 1e3};
+/// A contact gives way along the surfaces at least as easily as across.
+inline constexpr Bounds tangentialBounds{0.0, 1.0, true};
 
 struct FrictionLaw {
   double mu = 0;
