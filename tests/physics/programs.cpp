@@ -171,6 +171,18 @@ TEST(Tension, WarnsWhereGripsEndBetweenSegmentsOfAShortGage) {
   EXPECT_NE(outcome.output.find("it is 7.6 % too large"), std::string::npos) << outcome.output;
 }
 
+TEST(TensionPrograms, SayWhichLegsAreTooShortForTheirRate) {
+  const Folder folder;
+  const auto outcome = run(folder,
+                           "-scene fibre -fibre_segments 31 -pair none -tension_width 10 "
+                           "-tension_program 0.005,1e-6,-0.01,1e-6 -ts_max_steps 1");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // Ramps of 0.01 of strain: sqrt(0.005/0.01) of the rate is reached in the first leg.
+  EXPECT_NE(outcome.output.find("0.005 at 1e-06 (7.07e-07 at most"), std::string::npos)
+      << outcome.output;
+  EXPECT_NE(outcome.output.find("then -0.01 at 1e-06 1/fs"), std::string::npos) << outcome.output;
+}
+
 TEST(TensionRamps, EndWithinAStepWithTheStrainThatTheGripsHave) {
   for (const double ramp : {10.0, 150.0, 200.0}) {
     const Folder folder;

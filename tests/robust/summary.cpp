@@ -44,6 +44,20 @@ TEST_P(SummaryOnRanks, SaysWhatShareOfTheWorkDampingTook) {
   }
 }
 
+TEST(Summary, WarnsOfABalanceThatDrifts) {
+  const Folder folder;
+  for (const auto& [step, warned] : {std::pair{"32", true}, std::pair{"5", false}}) {
+    const Outcome outcome =
+        run(folder, std::string("-scene bundle -bundle_fibres 7 -bundle_segments 20 -scene_perturb "
+                                "0.3 -energy_alarm 0 -ts_max_steps 301 -progress_interval 0 "
+                                "-ts_dt ") +
+                        step);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("of the energy that there was") != std::string::npos, warned)
+        << outcome.output;
+  }
+}
+
 TEST(Summary, IsSilentWhereNothingIsDampedOrNoWorkIsDone) {
   const Folder folder;
   for (const std::string& options :
