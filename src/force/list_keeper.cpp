@@ -180,16 +180,15 @@ void ListKeeper::startDrawing(const State& state) {
 }
 
 void ListKeeper::tuneMargin(const State& state) {
-  // A step looks at the pairs of the rim, in proportion to reach x margin (for a sheet). A drawing
-  // looks at all within reach + skin, once in the steps that the margin lasts. This margin makes
-  // the sum of both least. The factor 0.5: pairs of the rim cost more, since their segments are not
-  // in the cache yet. With a law that is split, a step also resolves the near pairs of the margin,
-  // which cost more still.
+  // A step looks at the pairs of the rim, in proportion to reach x margin (for a sheet); with a law
+  // that is split, at the near pairs of the margin. A drawing looks at all within reach + skin, once
+  // in the steps that the margin lasts. This margin makes the sum of both least. The factor 0.5:
+  // pairs of the rim cost more, since their segments are not in the cache yet.
   const std::int64_t steps = drawStep_ < 0 ? 0 : state.step - drawStep_;
   if (steps < 1) return;
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),
                reach = settings_.pairs.reach(), widening = 1.0 + skin_ / reach;
-  margin_ = (span_ > 0 ? 0.25 : 0.5) * widening * std::sqrt(reach * speed);
+  margin_ = 0.5 * widening * std::sqrt(reach * speed);
   margin_ = std::min(std::max(margin_, 0.05 * settings_.kinds.shortest()), 0.5 * skin_);
   drawStep_ = state.step;
 }
