@@ -294,10 +294,11 @@ void printStep(const RunParts& parts) {
   const char* time = plan.units.time;
   const double bundle = bundleStepLimit(plan.kinds, parts.forces->pairs());
   if (parts.limits.present > 0) {
-    PetscPrintf(plan.comm,
-                "  time step %.4g %s; stable below %.4g now, %.4g for a free chain, about %.4g for "
-                "fibres pressed together\n",
-                stepper.dt(), time, parts.limits.present, chainStepLimit(plan.kinds), bundle);
+    PetscPrintf(plan.comm, "  time step %.4g %s; stable below %.4g now, %.4g for a free chain%s\n",
+                stepper.dt(), time, parts.limits.present, chainStepLimit(plan.kinds),
+                parts.forces->pairs()
+                    ? format(", about %.4g for fibres pressed together", bundle).c_str()
+                    : "");
     if (stepper.longest() > bundle)
       PetscPrintf(plan.comm,
                   "  warning: -ts_dt %g may become unstable once fibres are pressed together\n",

@@ -181,9 +181,9 @@ void ListKeeper::startDrawing(const State& state) {
 
 void ListKeeper::tuneMargin(const State& state) {
   // A step looks at the pairs of the rim, in proportion to reach x margin (for a sheet); with a law
-  // that is split, at the near pairs of the margin. A drawing looks at all within reach + skin, once
-  // in the steps that the margin lasts. This margin makes the sum of both least. The factor 0.5:
-  // pairs of the rim cost more, since their segments are not in the cache yet.
+  // that is split, at the near pairs of the margin. A drawing looks at all within reach + skin,
+  // once in the steps that the margin lasts. This margin makes the sum of both least. The factor
+  // 0.5: pairs of the rim cost more, since their segments are not in the cache yet.
   const std::int64_t steps = drawStep_ < 0 ? 0 : state.step - drawStep_;
   if (steps < 1) return;
   const double speed = margin_ / (2.0 * static_cast<double>(steps)),

@@ -165,7 +165,9 @@ double slowest(const Kinds& kinds) {
 double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
   Stiffness stiffness(state, forces, halo);
   // Scale of the exact sums: 1e3 times a chain's omega^2, since contacts may be far stiffer.
-  const double chain = 1e3 * 4.0 / std::pow(chainStepLimit(forces.kinds()), 2);
+  double chain = 0;
+  for (const Fibre& f : forces.kinds())
+    chain = std::max(chain, 4e3 / std::pow(chainStepLimit(f), 2));
   const SumUnit ofProduct(chain), ofSquare(chain * chain);
   // A run's memory is largest here, so none of these is copied.
   std::vector<double> q = randomDirection(state), before(q.size(), 0.0), next;
@@ -217,15 +219,16 @@ double chainStepLimit(const Fibre& fibre) {
 
 double chainStepLimit(const Kinds& kinds) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (const Fibre& fibre : kinds) lowest = std::min(lowest, chainStepLimit(fibre));
+  for (const Fibre& fibre : kinds)
+    lowest = std::min(lowest, withViscosity(chainStepLimit(fibre), fibre.retardation));
   return lowest;
 }
 
 double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
   double lowest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kinds.count(); ++k) {
-    const double chain = chainStepLimit(kinds[k]);
-    lowest = std::min(lowest, chain);
+    const double chain = chainStepLimit(kinds[k]), retardation = kinds[k].retardation;
+    lowest = std::min(lowest, withViscosity(chain, retardation));
     for (int other = 0; other < kinds.count(); ++other) {
       double contact = 0;  // laws add, and so do their stiffnesses
       for (const auto& c : pairs.classes()) {
@@ -233,9 +236,10 @@ double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
         if (c.between(k, other))
           contact += c.force->sticking() * c.force->contactStiffness() / std::max(n.i, n.j);
       }
-      if (contact > 0)
-        lowest = std::min(lowest,
-                          2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / kinds[k].mass));
+      if (!(contact > 0)) continue;
+      const double pressed = 2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / kinds[k].mass),
+                   bonds = pressed / chain;  // share of the bonds in the frequency
+      lowest = std::min(lowest, withViscosity(pressed, retardation * bonds * bonds));
     }
   }
   return lowest;

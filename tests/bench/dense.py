@@ -30,9 +30,9 @@ SETTINGS = {
     "-pair_accuracy 0.1, usual range": f"-pair_accuracy 0.1 {USUAL}",
     "-pair_accuracy 0.1": "-pair_accuracy 0.1",
     "-pair_accuracy 0.05": "-pair_accuracy 0.05",
-    "five points, one beyond 26.5 A": "-pair_points 5 -pair_far_points 1 -pair_far_from 26.5"
-                                      " -pair_switch 27.12 -pair_cutoff 33.9"
-                                      " -pair_precision single"}
+    "five points, one beyond 26.5 A, to 35 A":
+        "-pair_points 5 -pair_far_points 1 -pair_far_from 26.5 -pair_switch 27.12 -pair_cutoff 35"
+        " -pair_precision single"}
 WEAVE = "-weave_fibres 200,200 -weave_segments 1000 -damping_local 0.4"
 SHARED = {"1 rank x 1 thread": Launch(None, 1), "1 rank x 2 threads": Launch(None, 2),
           "2 ranks x 1 thread": Launch(2, 1, ["--bind-to", "none"])}

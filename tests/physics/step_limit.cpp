@@ -302,6 +302,34 @@ TEST(StepLimit, ForPressedFibresAddsTheStiffnessesOfTheirLaws) {
   EXPECT_NEAR((raised("vdw") + raised(contact)) / both, 1.0, 0.01);
 }
 
+TEST(StepLimit, OfFreeAndPressedChainsCountsTheirViscosity) {
+  const Folder folder;
+  auto limits = [&](const std::string& options) {
+    const auto outcome =
+        run(folder, "-scene fibre -fibre_segments 60 -ts_max_steps 1 -ts_dt 1 " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    std::array<double, 3> read{};
+    const auto at = outcome.output.find("stable below ");
+    if (at != std::string::npos)
+      std::sscanf(outcome.output.c_str() + at,
+                  "stable below %lf now, %lf for a free chain, about %lf", &read[0], &read[1],
+                  &read[2]);
+    return read;
+  };
+  const double time = 40;
+  const auto plain = limits(""), viscous = limits("-fibre_retardation 40");
+  EXPECT_NEAR(viscous[1] / viscous[0], 1.0, 0.01);
+  // x'' = -w^2 x - time b^2 x' with the frequencies w of pressed and b of free chains, and the
+  // viscous force of half a step earlier, is stable up to 4 = 2 time b^2 dt + w^2 dt^2.
+  for (const int k : {1, 2}) {
+    const auto of = static_cast<std::size_t>(k);
+    const double b2 = 4 / (plain[1] * plain[1]), w2 = 4 / (plain[of] * plain[of]), dt = viscous[of];
+    EXPECT_NEAR((2 * time * b2 * dt + w2 * dt * dt) / 4, 1.0, 2e-3) << k;
+  }
+  // Without a law nothing is pressed.
+  EXPECT_EQ(limits("-pair none")[2], 0.0);
+}
+
 TEST(StepLimit, ForPressedFibresThatStickIsLower) {
   const Folder folder;
   writeState(folder / "in.h5", {straightFibre({0, -6.7, 0}, {1, 0, 0}, 12),

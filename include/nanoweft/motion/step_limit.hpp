@@ -31,15 +31,15 @@ struct StepLimits {
 /// something is more than 1e5 times as stiff as the bonds. Collective.
 double presentStepLimit(State& state, ForceField& forces, Halo& halo);
 
-/// Limit of one free straight chain, from its dispersion relations (axial, torsional and
-/// bending-shear branches of the linear EVM chain).
+/// Limit of one free straight chain without viscosity, from its dispersion relations (axial,
+/// torsional and bending-shear branches of the linear EVM chain).
 double chainStepLimit(const Fibre& fibre);
 
 /// Limit of chains pressed together in hexagonal bundles: the chain's omega^2 plus that of the
 /// contacts, 6 K/m with K the contact stiffness of two parallel segments, the sum of those of all
-/// laws between them. The lowest of all kinds.
+/// laws between them, and the viscosity of the chain. The lowest of all kinds.
 double bundleStepLimit(const Kinds& kinds, const PairForces& pairs);
-/// The lowest limit of the kinds' free chains.
+/// The lowest limit of the kinds' free chains, with their viscosity.
 double chainStepLimit(const Kinds& kinds);
 
 }  // namespace nanoweft
