@@ -12,9 +12,10 @@ namespace nanoweft {
 
 namespace {
 
-/// What is measured at a time: so long, and so many steps, that drawing pairs and making lists
-/// weigh about what they do in the mean, or as many seconds and few steps.
-constexpr double window = 0.1, longWindow = 1.0;
+/// What is measured at a time: so many seconds and steps that drawing pairs and making lists weigh
+/// about what they do in the mean, or more seconds and few steps, or less of what threads without a
+/// core hold up.
+constexpr double shortWindow = 0.03, window = 0.1, longWindow = 1.0;
 constexpr long enoughSteps = 20, fewestSteps = 3;
 /// A smaller size is tried from this delay on; a size is better when it costs this much less.
 constexpr double noticedDelay = 0.1, better = 0.95;
@@ -37,23 +38,34 @@ std::optional<double> secondsDelayed() {
 
 void TeamTrials::note(double cost, double delay, double seconds) {
   if (settled_ > 0) {
-    if (cost < better * cost_) {
-      hold_ = shortestHold;
-    } else {
-      size_ = settled_;
-      hold_ = std::min(2.0 * hold_, longestHold);
-    }
+    const bool found = cost < better * cost_;
+    hold_ = found ? shortestHold : std::min(2.0 * hold_, longestHold);
+    smallerIsNoBetter_ = !found && size_ < settled_;
+    if (!found) size_ = settled_;
     settled_ = 0;
     held_ = 0;
     return;
   }
   held_ += seconds;
-  if (held_ < hold_) return;
-  const int next = delay > noticedDelay && size_ > 1 ? size_ - 1 : std::min(size_ + 1, most_);
-  if (next == size_) return;
+  const bool wantsSmaller = disturbed(delay);
+  const int next = wantsSmaller ? std::max(size_ - 1, 1) : std::min(size_ + 1, most_);
+  // Each step beside a thread without a core costs, so a smaller size is tried at once.
+  const bool atOnce = wantsSmaller && !smallerIsNoBetter_;
+  if (next == size_ || (held_ < hold_ && !atOnce)) return;
   settled_ = size_;
   cost_ = cost;
   size_ = next;
+}
+
+bool TeamTrials::disturbed(double delay) {
+  return delay > noticedDelay;
+}
+
+bool TeamTrials::enough(long steps, double cost, double delay, double seconds) const {
+  if (steps < fewestSteps || seconds < shortWindow) return false;
+  if (disturbed(delay) && hopeless(cost)) return true;
+  if (seconds < window) return false;
+  return steps >= enoughSteps || seconds >= longWindow || (disturbed(delay) && settled_ == 0);
 }
 
 TeamSize::TeamSize(int most, bool fixed)
@@ -75,17 +87,16 @@ void TeamSize::startWindow() {
 void TeamSize::noteStep() {
   if (fixed_) return;
   ++steps_;
-  const double seconds = teamMeter().seconds - begin_;
-  if (seconds < window || steps_ < fewestSteps) return;
-  if (steps_ < enoughSteps && seconds < longWindow &&
-      !trials_.hopeless(seconds / static_cast<double>(steps_)))
-    return;
+  const double seconds = teamMeter().seconds - begin_, cost = seconds / static_cast<double>(steps_);
   const int size = trials_.size();
+  // The scheduler is asked only where the answer may count.
+  if (!trials_.enough(steps_, cost, 1.0, seconds)) return;
+  // A thread that has ended has taken its part of the delay along.
+  const double delay = std::max(0.0, secondsDelayed().value_or(0.0) - delayed_) / (size * seconds);
+  if (!trials_.enough(steps_, cost, delay, seconds)) return;
   threadSeconds_ += size * seconds;
   seconds_ += seconds;
-  // A thread that has ended has taken its part of the delay along.
-  const double delay = std::max(0.0, secondsDelayed().value_or(0.0) - delayed_);
-  trials_.note(seconds / static_cast<double>(steps_), delay / (size * seconds), seconds);
+  trials_.note(cost, delay, seconds);
   teamMeter().most = trials_.size();
   // Threads that have nothing to do would go on waiting in the runtime, and may spin.
   if (trials_.size() < size) omp_pause_resource(omp_pause_soft, omp_get_initial_device());

@@ -15,17 +15,21 @@ class TeamTrials {
   int most() const { return most_; }
   int size() const { return size_; }
 
-  /// Is this a trial, and so dear that nothing more need be measured?
-  bool hopeless(double cost) const { return settled_ > 0 && cost > 2.0 * cost_; }
-  /// Takes what was measured with the present size and chooses the next one. `cost`: time of a
-  /// step; `delay`: share of that time for which a thread had work but no core; `seconds`: how long
-  /// was measured.
+  /// Has enough been measured of the present size? `cost`: time of a step; `delay`: share of
+  /// that time for which a thread had work but no core; `seconds`: how long has been measured.
+  bool enough(long steps, double cost, double delay, double seconds) const;
+  /// Takes what has been measured and chooses the next size.
   void note(double cost, double delay, double seconds);
 
  private:
+  static bool disturbed(double delay);
+  /// Is this a trial, and so dear that nothing more need be measured?
+  bool hopeless(double cost) const { return settled_ > 0 && cost > 2.0 * cost_; }
+
   int most_, size_;
-  int settled_ = 0;  ///< size before the trial; 0: there is none
-  double cost_ = 0;  ///< of that size
+  int settled_ = 0;                 ///< size before the trial; 0: there is none
+  double cost_ = 0;                 ///< of that size
+  bool smallerIsNoBetter_ = false;  ///< as the last trial of a smaller size found
   double held_ = 0, hold_ = shortestHold;
 
   static constexpr double shortestHold = 0.5, longestHold = 30;  ///< seconds between trials
