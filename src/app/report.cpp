@@ -206,13 +206,14 @@ void printTension(const State& state, const Tension& t, const UnitSystem& units)
   PetscPrintf(comm, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, %s 1/%s\n",
               "xyz"[t.axis], t.gage, units.length, t.width, units.length, t.thickness, units.length,
               course.c_str(), units.time);
-  if (std::isfinite(t.between) && t.between > (1.0 + noticedGage) * t.gage)
+  if (t.between > (1.0 + noticedGage) * t.gage)
     PetscPrintf(
         comm,
-        "  warning: the innermost segments that the grips hold are %.5g %s from each other, "
+        "  warning: the innermost segments that the grips hold are %.5g %s from each other%s, "
         "and strain is counted by the gage: it is %.2g %% too large; let the grips end at "
         "segments (-tension_grip)\n",
-        t.between, units.length, 100.0 * (t.between / t.gage - 1.0));
+        t.between, units.length, state.kinds.size() > 1 ? " in one kind" : "",
+        100.0 * (t.between / t.gage - 1.0));
   const HeldFibres held = heldFibres(state);
   PetscPrintf(comm,
               "    grips hold fibres: %lld both, %lld the left one only, %lld the right one\n",

@@ -113,6 +113,7 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
   }
   if (!plan->checkpoint && plan->kinds.several()) lookAtKinds();
   if (plan->boxDrive) lookAtGroups();
+  if (state->linked) refuseLinksOfHalfTheBox();
   if (!plan->checkpoint && state->linked) lookAtLinks();
   if (!plan->checkpoint && forces->walls() && !evaluatesOnly() && !plan->settings.startUnchecked)
     refuseInWalls();
@@ -384,6 +385,29 @@ void RunParts::lookAtLinks() {
       "and %.4g at rest (link/rest_length)",
       link.fibre[0], link.index[0], link.fibre[1], link.index[1], link.length, plan->units.length,
       link.rest));
+}
+
+void RunParts::refuseLinksOfHalfTheBox() const {
+  struct {
+    long long fibre[2] = {0, 0};
+    int index[2] = {0, 0};
+    double length = 0;
+  } link;
+  double most = LinkForces::mostOfHalf;
+  for (std::size_t k = 0; k < state->links.size(); ++k) {
+    const Link& l = state->links[k];
+    if (l.broken || forces->links().ends(k)[0] >= state->owned()) continue;
+    const Vec3d way = forces->links().resolve(*state, forces->nearest(), k).separation;
+    if (const double share = forces->nearest().shareOfHalf(way); share > most) {
+      most = share;
+      link = {{l.fibre[0], l.fibre[1]}, {l.index[0], l.index[1]}, norm(way)};
+    }
+  }
+  if (largestOfRanks(most, link, state->comm()) == LinkForces::mostOfHalf) return;
+  throw InputError(format(
+      "the link of fibre %lld segment %d to fibre %lld segment %d is %.4g %s long, half of the "
+      "periodic box, so that two images of its end are as near; make the box larger",
+      link.fibre[0], link.index[0], link.fibre[1], link.index[1], link.length, plan->units.length));
 }
 
 void RunParts::refuseInWalls() const {

@@ -27,8 +27,9 @@ enum Notice {
   broke = 4,
   outdated = 8,
   crowded = 16,
-  staleSoon = 32,
-  firstWish = 64
+  tooLong = 32,
+  staleSoon = 64,
+  firstWish = 128
 };
 
 /// The name of a file that is not there: `stem` and `ending`, with a number between them where such
@@ -205,6 +206,7 @@ void Simulation::tell(const DriftReport& drift) {
   if (breaks_.waiting()) mine |= broke;
   if (system_.forces.lists().outdated()) mine |= outdated;
   if (system_.forces.contacts().full()) mine |= crowded;
+  if (system_.forces.links().tooLong()) mine |= tooLong;
   int wish = firstWish;
   for (const auto& observer : observers_) {
     // What has just been granted is done at the end of this step.
@@ -235,6 +237,11 @@ bool Simulation::listsHold() {
         format("step %lld: a segment has more than %d contacts with friction, which is all "
                "that it can remember",
                static_cast<long long>(state.step), contactSlots));
+  if (heard_ & tooLong)
+    throw RunError(
+        format("step %lld: a link is nearly half as long as the periodic box, and would soon pull "
+               "at another image of its end; make the box larger, or let links break",
+               static_cast<long long>(state.step)));
   if (heard_ & broke) breaks_.spread(state);
   agreed_ = heard_ & ~(firstWish - 1);
   const bool hold = !(heard_ & (stale | outdated));

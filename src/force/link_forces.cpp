@@ -65,6 +65,7 @@ bool LinkForces::breaks(const Link& link, const Action& action) const {
 void LinkForces::add(State& state, const MinimumImage& nearest, bool energies, bool mayBreak,
                      BondTally& tally) {
   std::vector<Action> actions(state.links.size());
+  tooLong_ = false;
   for (std::size_t k = 0; k < actions.size(); ++k) {
     Link& link = state.links[k];
     if (link.broken) continue;
@@ -73,7 +74,10 @@ void LinkForces::add(State& state, const MinimumImage& nearest, bool energies, b
     if (mayBreak && breaks(link, actions[k])) {
       if (counts) tally.released.add(actions[k].energy.total(), tally.energyUnit);
       link.broken = 1;
-    } else if (energies && counts) {
+      continue;
+    }
+    tooLong_ = tooLong_ || nearest.shareOfHalf(actions[k].separation) > mostOfHalf;
+    if (energies && counts) {
       tally.stretch.add(actions[k].energy.stretch, tally.energyUnit);
       tally.shear.add(actions[k].energy.shear, tally.energyUnit);
       tally.bending.add(actions[k].energy.bending, tally.energyUnit);

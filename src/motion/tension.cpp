@@ -197,21 +197,28 @@ void Tension::measure(State& state) {
   }
   // Grips are often some segments long: round-off must not decide on the last one.
   const double rim = 1e-6 * grip;
-  double inner[2] = {-std::numeric_limits<double>::infinity(),
-                     -std::numeric_limits<double>::infinity()};
+  // Of each kind: the innermost segment that either grip holds, the right one's place negated.
+  std::vector<std::array<double, 2>> inner(
+      std::max<std::size_t>(state.kinds.size(), 1),
+      {-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
   for (int i = 0; i < state.owned(); ++i) {
     const double x = state.pose[8 * i + axis];
     if (x <= lower + grip + rim) {
       state.group[i] |= 1 << leftGripBit;
-      inner[0] = std::max(inner[0], x);
+      auto& place = inner[static_cast<std::size_t>(state.kind(i))][0];
+      place = std::max(place, x);
     }
     if (x >= upper - grip - rim) {
       state.group[i] |= 1 << rightGripBit;
-      inner[1] = std::max(inner[1], -x);
+      auto& place = inner[static_cast<std::size_t>(state.kind(i))][1];
+      place = std::max(place, -x);
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, inner, 2, MPI_DOUBLE, MPI_MAX, state.comm());
-  between = -inner[1] - inner[0];
+  MPI_Allreduce(MPI_IN_PLACE, inner.data(), 2 * static_cast<int>(inner.size()), MPI_DOUBLE, MPI_MAX,
+                state.comm());
+  for (const auto& [left, right] : inner)
+    if (const double apart = -right - left; std::isfinite(apart))
+      between = std::max(between, apart);
   if (program) program->begin(start, before);
   if (lateral) measureSpread(state);
 }

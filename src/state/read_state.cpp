@@ -343,6 +343,44 @@ std::string problemOfKinds(const RawRows& raw, const KindNumbers& numbers, LastR
   return "";
 }
 
+/// Where a fibre has got to: its last segment, and which image of it follows on.
+struct FibreEnd {
+  double position[3] = {};
+  std::int64_t image[3] = {}, fibre = 0, index = -1;  ///< index -1: there is none
+};
+
+/// Gives rows without images those by which each segment is next to the one before it on its
+/// fibre; fibres start in the image of their first segment. Rank by rank.
+void followFibres(MPI_Comm comm, int rank, int ranks, const Box& box, RawRows& raw) {
+  FibreEnd end;
+  if (rank > 0) MPI_Recv(&end, sizeof end, MPI_BYTE, rank - 1, 0, comm, MPI_STATUS_IGNORE);
+  const MinimumImage nearest(box);
+  const auto along = static_cast<std::size_t>(box.tilt.along),
+             across = static_cast<std::size_t>(box.tilt.across);
+  raw.image.assign(raw.position.size(), 0);
+  for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
+    const double* x = &raw.position[3 * k];
+    if (end.index < 0 || raw.fibre[k] != end.fibre) {
+      std::fill_n(end.image, 3, 0);
+    } else {
+      const Vec3d before{end.position[0], end.position[1], end.position[2]}, here{x[0], x[1], x[2]};
+      // From this segment to its image beside the one before: whole periods.
+      const Vec3d way = nearest(here - before) - (here - before);
+      std::array<double, 3> periods{way.x, way.y, way.z};
+      if (box.tilt)
+        periods[along] -= std::round(periods[across] / box.length(box.tilt.across)) * box.tilt.way;
+      for (int d = 0; d < 3; ++d)
+        if (box.periodic[static_cast<std::size_t>(d)])
+          end.image[d] += std::llround(periods[static_cast<std::size_t>(d)] / box.length(d));
+    }
+    std::copy_n(x, 3, end.position);
+    end.fibre = raw.fibre[k], end.index = raw.index[k];
+    for (std::size_t d = 0; d < 3; ++d)
+      raw.image[3 * k + d] = static_cast<std::int32_t>(end.image[d]);
+  }
+  if (rank + 1 < ranks) MPI_Send(&end, sizeof end, MPI_BYTE, rank + 1, 0, comm);
+}
+
 void fill(State& state, const Box& own, const RawRows& raw, const Chains& chains) {
   for (std::size_t k = 0; k < raw.fibre.size(); ++k) {
     const int i = static_cast<int>(k);
@@ -429,6 +467,8 @@ void readStateRows(const std::string& name, const StateHeader& header, State& st
   agreeOn(problemOfRest(*raw, state));
   for (std::size_t k = 0; k < raw->kind.size(); ++k)
     state.setKind(static_cast<int>(k), numbers.of(raw->kind[k]));
+  if (!header.parts.contains(rows::image.name))
+    followFibres(comm, state.rank(), state.ranks(), header.box, *raw);
   fill(state, header.box, *raw, chains);
   state.countTotal();
   if (links) {

@@ -174,6 +174,34 @@ TEST(Holders, TorqueIsAboutTheMeanPositionOrTheGivenCentre) {
   EXPECT_NEAR(readCsv(folder / "g.csv").at("all_torque_y")[0], -0.01 * 11 * 67.8, 1e-12);
 }
 
+TEST(Holders, AGroupIsMeasuredAlongFibresThatFilesHaveWrapped) {
+  // A fibre through the boundary of a periodic box, as it runs on, or each segment in the box;
+  // outsiders give no images.
+  const Folder folder;
+  BoxInput box;
+  box.lower = {0, 0, -100};
+  box.upper = {200, 200, 100};
+  box.periodic = {true, true, false};
+  const auto fibre = straightFibre({160, 180, 0}, {0.8, 0.6, 0}, 8);
+  auto wrapped = fibre;
+  for (Vec3d& x : wrapped.position) x.x -= x.x > 200 ? 200 : 0, x.y -= x.y > 200 ? 200 : 0;
+  for (const auto& input : {fibre, wrapped})
+    for (const int ranks : {1, 3}) {
+      writeState(folder / "in.h5", {straightFibre({20, 20, 50}, {1, 0, 0}, 5), input}, box);
+      const auto outcome =
+          run(folder,
+              "-scene file -scene_file in.h5 -pair none -progress_interval 0 -ts_max_steps 1 -bc "
+              "all -all_region -1,-1,-10,201,201,10 -all_force 0,0.02,0.01 -group_monitor "
+              "ascii:g.csv -overwrite",
+              ranks);
+      ASSERT_EQ(outcome.status, 0) << outcome.output;
+      const auto table = readCsv(folder / "g.csv");
+      EXPECT_NEAR(table.at("all_position_x")[0], 160 + 0.8 * 3.5 * 13.56, 1e-9);
+      EXPECT_NEAR(table.at("all_position_y")[0], 180 + 0.6 * 3.5 * 13.56, 1e-9);
+      EXPECT_NEAR(table.at("all_torque_z")[0], 0, 1e-9);
+    }
+}
+
 TEST(Holders, ThatContradictEachOtherAreRefused) {
   const Folder folder;
   for (const int ranks : {1, 3}) {

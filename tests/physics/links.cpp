@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/expect.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
 
@@ -124,6 +125,39 @@ TEST(LinksInABeam, ALinkFarFromItsRestIsReportedAtTheStart) {
                 reported)
           << outcome.output;
     }
+  }
+}
+
+TEST(LinksInABeam, ALinkOfHalfTheBoxIsNoSilentPullAtAnotherImage) {
+  // Two fibres along x whose middles are linked across y; the second one is moved by 20 A.
+  const Folder folder;
+  const std::string start =
+      "-scene file -scene_file in.h5 -pair none -link_law spring -link_stretch 2 -bc p,q "
+      "-p_region -100,20,-100,200,40,100 -p_fix 1,1,1 -p_fix_rotation -q_region "
+      "-100,160,-100,200,180,100 -q_fix_rotation -q_velocity 0,2e-2,0 -ts_dt 1 "
+      "-ts_max_time 1000 -progress_interval 0 -energy_monitor ascii:e.csv -overwrite ";
+  auto write = [&](double high, bool periodic) {
+    BoxInput box;
+    box.lower = {-100, 0, -100};
+    box.upper = {200, 300, 100};
+    box.periodic = {false, periodic, false};
+    writeState(folder / "in.h5",
+               {straightFibre({0, 30, 0}, {1, 0, 0}, 6), straightFibre({0, high, 0}, {1, 0, 0}, 6)},
+               box);
+    setLinks(folder / "in.h5", {{0, 3, 1, 3}});
+  };
+  for (const int ranks : {1, 2}) {
+    write(170, true);
+    const auto stopped = run(folder, start, ranks);
+    EXPECT_EQ(stopped.status, 2) << stopped.output;
+    EXPECT_TRUE(says(stopped, "a link is nearly half as long as the periodic box"))
+        << stopped.output;
+    write(175, true);
+    expectRefused(run(folder, start, ranks),
+                  {"fibre 0 segment 3 to fibre 1 segment 3 is 145 A long"});
+    write(170, false);
+    EXPECT_EQ(run(folder, start, ranks).status, 0);
+    EXPECT_NEAR(readCsv(folder / "e.csv").at("stretch").back(), 400, 1e-6);
   }
 }
 

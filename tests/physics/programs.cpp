@@ -158,6 +158,36 @@ TEST(Tension, HoldsTheSameSegmentsInAllUnitsWhereAGripEndsAtOne) {
   }
 }
 
+TEST(Tension, WarnsOfTheKindThatItsGageFitsWorst) {
+  // Grips of 40 A end at segments of 10 A of one kind, and between those of 20 A of the other one,
+  // whose innermost held segments are 340 A from each other, not 310.
+  const Folder folder;
+  std::vector<double> kind;
+  std::vector<FibreInput> fibres(2);
+  for (const int k : {0, 1}) {
+    const double length = 10 * (k + 1);
+    const int segments = 40 / (k + 1);
+    for (int n = 0; n < segments; ++n) {
+      fibres[static_cast<std::size_t>(k)].position.push_back({(n + 0.5) * length, 100.0 * k, 0});
+      fibres[static_cast<std::size_t>(k)].orientation.push_back({1, 0, 0, 0});
+      kind.push_back(k);
+    }
+  }
+  writeState(folder / "in.h5", fibres);
+  setDataset(folder / "in.h5", "kind", kind, 1);
+  for (const int ranks : {1, 2}) {
+    const auto outcome = run(folder,
+                             "-scene file -scene_file in.h5 -kinds a,b -a_fibre_segment_length 10 "
+                             "-b_fibre_segment_length 20 -pair none -tension_rate 1e-7 "
+                             "-tension_width 10 -tension_thickness 10 -tension_grip 40 -ts_dt 5 "
+                             "-ts_max_steps 1",
+                             ranks);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("340 A from each other in one kind"), std::string::npos)
+        << outcome.output;
+  }
+}
+
 TEST(Tension, WarnsWhereGripsEndBetweenSegmentsOfAShortGage) {
   const Folder folder;
   const auto outcome = run(folder,

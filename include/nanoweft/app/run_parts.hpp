@@ -81,6 +81,7 @@ struct RunParts {
   void lookAtGroups();
   /// Keeps a warning for the header where a link is far from its rest.
   void lookAtLinks();
+  void refuseLinksOfHalfTheBox() const;
   /// Refuses a start with fibres inside walls.
   void refuseInWalls() const;
   void chooseStep();

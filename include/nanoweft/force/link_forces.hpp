@@ -21,6 +21,10 @@ class LinkForces {
  public:
   LinkForces(const LinkLaws& laws, const Kinds& kinds);
 
+  /// The largest MinimumImage::shareOfHalf of a link. A longer one might take the next step to
+  /// another image of its end.
+  static constexpr double mostOfHalf = 0.95;
+
   const LinkLaws& laws() const { return laws_; }
   /// Finds the ends of the links among the local segments; to be called at each rebuild.
   void build(const State& state, const Domain& domain);
@@ -36,6 +40,8 @@ class LinkForces {
     BondEnergy<double> energy;
   };
   Action resolve(const State& state, const MinimumImage& nearest, std::size_t link) const;
+  /// Did the last evaluation meet a link beyond `mostOfHalf`, among those of this rank?
+  bool tooLong() const { return tooLong_; }
   /// Local indices of a link's ends.
   const std::array<int, 2>& ends(std::size_t link) const { return ends_[link]; }
 
@@ -53,6 +59,7 @@ class LinkForces {
   SumUnit forceUnit_, torqueUnit_;
   std::vector<std::array<int, 2>> ends_;
   std::vector<End> owned_;  ///< sorted by segment
+  bool tooLong_ = false;
 };
 
 }  // namespace nanoweft

@@ -27,11 +27,12 @@ struct Tension {
   double width = 0;                           ///< of the fabric at the start; 0: measured
   double thickness = 0;                       ///< for the stress; 0: not known
   double gage = 0;                            ///< distance between the grips at the start
-  double between = 0;    ///< distance of the innermost held segments, where it was measured; else 0
-  double start = 0;      ///< time of the start of this stage
-  double before = 0;     ///< strain at that time, reached in earlier stages
-  bool fresh = false;    ///< a test of its own, whatever the state has gone through
-  bool lateral = false;  ///< the lateral strain is wanted
+  /// Distance of the innermost held segments, of the kind where it is largest; 0: not measured.
+  double between = 0;
+  double start = 0;       ///< time of the start of this stage
+  double before = 0;      ///< strain at that time, reached in earlier stages
+  bool fresh = false;     ///< a test of its own, whatever the state has gone through
+  bool lateral = false;   ///< the lateral strain is wanted
   const char* unit = "";  ///< of lengths, for messages
   double spread = 0;      ///< spreadAcross at the start, where that is wanted
 

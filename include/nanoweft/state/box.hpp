@@ -1,6 +1,7 @@
 /// The simulation box: open or periodic in each direction, straight or tilted.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -96,6 +97,13 @@ class MinimumImage {
     d.y -= period_[1] * roundToNearest(V(d.y * inverse_[1]));
     d.z -= period_[2] * roundToNearest(V(d.z * inverse_[2]));
     return d;
+  }
+
+  /// How near the vector `d` between nearest images is to the next image: its largest component
+  /// over half of the box, in periodic directions; 1 means that another image is as near.
+  double shareOfHalf(const Vec3d& d) const {
+    return 2.0 * std::max({std::abs(d.x) * inverse_[0], std::abs(d.y) * inverse_[1],
+                           std::abs(d.z) * inverse_[2]});
   }
 
  private:
