@@ -101,7 +101,7 @@ void EnergyWatch::observe(const Moment& moment) {
   if (!moment.energies) return;
   const Energies& e = *moment.energies;
   requireSums(moment);
-  if (!std::isfinite(e.total())) throwUnstable(moment, units_, "");
+  if (!std::isfinite(e.total())) throwUnstable(moment, units_);
   // At its own steps alone: others look when the clock says so, or as often as a table asks.
   if (!looks(moment) || !judges(moment)) return;
   available_ = availableAt(moment);
@@ -125,7 +125,8 @@ void EnergyWatch::judge(const Moment& moment, double available) const {
   const double risen = moment.energies->balance() - start_.balance;
   if (risen > alarm_ * available)
     throwUnstable(moment, units_,
-                  format(" and energy has risen by %.3g %s out of nothing", risen, units_.energy));
+                  format(" and energy has risen by %.3g %s out of nothing", risen, units_.energy),
+                  box_.remedy());
 }
 
 }  // namespace

@@ -9,7 +9,8 @@
 
 namespace nanoweft {
 
-void throwUnstable(const Moment& moment, const UnitSystem& units, const std::string& sign) {
+void throwUnstable(const Moment& moment, const UnitSystem& units, const std::string& sign,
+                   const std::string& remedy) {
   const State& state = moment.state();
   const double dt = moment.stepper.dt();
   // The fastest segment of all ranks; a NaN counts as infinitely fast.
@@ -32,9 +33,9 @@ void throwUnstable(const Moment& moment, const UnitSystem& units, const std::str
   farthest = largestOfRanks(farthest, segment, state.comm());
   throw RunError(
       format("unstable at step %lld: fibre %lld segment %lld moves %.3g %s in a step of %g %s%s "
-             "(stable limit when last looked at: %.4g); take a smaller -ts_dt",
+             "(stable limit when last looked at: %.4g); %s",
              static_cast<long long>(state.step), segment[0], segment[1], farthest, units.length, dt,
-             units.time, sign.c_str(), moment.limits.present));
+             units.time, sign.c_str(), moment.limits.present, remedy.c_str()));
 }
 
 }  // namespace nanoweft

@@ -247,7 +247,9 @@ void printWall(MPI_Comm comm, const Wall& w, const UnitSystem& units) {
     text += format(", axis %.4g,%.4g,%.4g", w.axis.x, w.axis.y, w.axis.z);
   if (w.shape != Wall::plane)
     text += format(", radius %g %s%s", w.radius, units.length, w.inside ? ", fibres inside" : "");
-  text += format(", E* %.4g GPa", w.modulus[0] / units.gigapascal);
+  const auto [least, most] = std::ranges::minmax(w.modulus);
+  text += format(", E* %.4g", least / units.gigapascal);
+  text += (most > least ? format(" to %.4g GPa", most / units.gigapascal) : " GPa");
   if (w.friction) text += format(", friction %g", w.friction.mu);
   if (w.driven())
     text += format(", driven by %g,%g,%g %s", w.force.x, w.force.y, w.force.z, units.force);
@@ -463,11 +465,9 @@ void remarkOnDrift(const RunParts& parts, const Moment& end) {
                roundOff = 1e-9 * parts.plan->kinds.energyScale() *
                           static_cast<double>(parts.state->total());
   if (drift > std::max(noticedDrift * there, roundOff))
-    PetscPrintf(
-        parts.plan->comm,
-        "  warning: that is %.2g %% of the energy that there was to turn into motion; take a "
-        "smaller -ts_dt\n",
-        100.0 * drift / there);
+    PetscPrintf(parts.plan->comm,
+                "  warning: that is %.2g %% of the energy that there was to turn into motion; %s\n",
+                100.0 * drift / there, parts.plan->boxDrive.remedy().c_str());
 }
 
 }  // namespace

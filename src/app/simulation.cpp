@@ -176,7 +176,7 @@ void Simulation::doAgreed(DriftReport& drift) {
     // Shares and lists are made from positions, which must be numbers.
     int lost = drift.unstable;
     MPI_Allreduce(MPI_IN_PLACE, &lost, 1, MPI_INT, MPI_MAX, system_.state.comm());
-    if (lost) throwUnstable(moment(), parts_->plan->units, "");
+    if (lost) throwUnstable(moment(), parts_->plan->units);
     system_.forces.rebuild(system_.state, system_.domain);
   }
   drift.stale = lists.farthest() > reckoned;
@@ -231,7 +231,7 @@ bool Simulation::listsHold() {
   State& state = system_.state;
   heard_ = notices_.wait();
   farthest_ = notices_.largest();
-  if (heard_ & unstable) throwUnstable(moment(), parts_->plan->units, "");
+  if (heard_ & unstable) throwUnstable(moment(), parts_->plan->units);
   if (heard_ & crowded)
     throw RunError(
         format("step %lld: a segment has more than %d contacts with friction, which is all "

@@ -54,8 +54,12 @@ Link linkAt(const State& state, const ForceField& forces, const ListPair& p) {
 /// Links are made among the pairs of the lists. Throws InputError where these need not have all
 /// pairs of pieces that are so near.
 void requireListed(double distance, const ForceField& forces, const UnitSystem& units) {
+  if (!forces.pairs())
+    throw InputError(
+        "-links_density: links are made among the pairs of the lists, and there are none without "
+        "-pair");
   const double skin = forces.lists().range() - forces.pairs().reach();
-  double most = forces.pairs() ? std::numeric_limits<double>::infinity() : 0.0;
+  double most = std::numeric_limits<double>::infinity();
   for (const PairForces::Class& c : forces.pairs().classes()) {
     const Both<double> length = c.force->length();
     if (c.widest) most = std::min(most, c.force->reach() + skin - 0.5 * (length.i + length.j));

@@ -21,7 +21,6 @@ std::vector<SegmentField> emptyFields(int segments) {
 
 void setBondFields(const State& state, const Domain& domain, const ForceField& forces, int i,
                    std::vector<SegmentField>& fields) {
-  const Fibre& fibre = forces.kinds()[state.kind(i)];
   BondEnergy<double> sum;
   auto set = [&](Place place, double value) {
     fields[place].values[static_cast<std::size_t>(i)] = static_cast<float>(value);
@@ -37,7 +36,8 @@ void setBondFields(const State& state, const Domain& domain, const ForceField& f
     sum.shear += 0.5 * u.shear;
     sum.bending += 0.5 * u.bending;
     sum.torsion += 0.5 * u.torsion;
-    if (tie.first) set(strain, norm(bond.separation) / fibre.length - 1.0);
+    if (tie.first)
+      set(strain, norm(bond.separation) / bondLaw(state, forces.kinds(), i).length - 1.0);
   }
   set(stretch, sum.stretch);
   set(shear, sum.shear);

@@ -33,6 +33,9 @@ bool readLine(const std::string& text, double scale, TextFibre& fibre) {
   return true;
 }
 
+/// Points that differ by so little of the length of a piece are meant to be the same.
+constexpr double roundOff = 1e-6;
+
 std::vector<TextFibre> parse(const std::string& text, const std::string& file, double scale) {
   std::vector<TextFibre> fibres;
   TextFibre fibre;
@@ -43,7 +46,8 @@ std::vector<TextFibre> parse(const std::string& text, const std::string& file, d
     if (points.size() < 2)
       throw InputError(format("%s, line %d: the fibre that ends here has fewer than two points",
                               file.c_str(), number));
-    fibre.line.closed = points.size() > 3 && norm(points.front() - points.back()) == 0;
+    fibre.line.closed = points.size() > 3 && norm(points.front() - points.back()) <=
+                                                 roundOff * norm(points[1] - points.front());
     if (fibre.line.closed) points.pop_back();
     fibres.push_back(std::move(fibre));
     fibre = {};

@@ -111,6 +111,8 @@ TEST(Links, AreMadeAtRandomPlacesAsDenselyAsAsked) {
   expectRefused(run(other, "-links_density 1 -ts_max_steps 2"), {"needs -links_distance"});
   expectRefused(run(other, "-links_density 1e-3 -links_distance 900 -ts_max_steps 2"),
                 {"-links_distance 900: beyond"});
+  expectRefused(run(other, "-pair none -links_density 1e-3 -links_distance 20 -ts_max_steps 2", 2),
+                {"-links_density: links are made among the pairs of the lists", "without -pair"});
   // What the lists need not have all of, a skin or another length of segments would decide.
   expectRefused(run(other,
                     "-weave_fibres 4,4 -links_density 1e-3 -links_distance 45 -pair_skin 2 "

@@ -63,6 +63,22 @@ TEST(Fields, SumToTheTotalsOfOtherLaws) {
   expectTotals(weave + "-pair none", 1, 2);
 }
 
+TEST(Fields, StrainCountsFromTheBondsOwnRest) {
+  // At 13.56 A, bonds that are longer at rest are compressed.
+  const Folder folder;
+  writeState(folder / "in.h5", {straightFibre({0, 0, 0}, {1, 0, 0}, 4)});
+  setDataset(folder / "in.h5", "rest_extension", {0.1, 0.0, -0.2, 0.0}, 1);
+  ASSERT_EQ(run(folder,
+                "-scene file -scene_file in.h5 -pair none -ts_max_steps 0 -snapshot_file frame "
+                "-snapshot_interval 1")
+                .status,
+            0);
+  const auto strain = readDataset(frame(folder, 0), "/field/strain");
+  EXPECT_NEAR(strain[0], tube::length / (tube::length + 0.1) - 1.0, 1e-7);
+  EXPECT_NEAR(strain[1], 0.0, 1e-7);
+  EXPECT_NEAR(strain[2], tube::length / (tube::length - 0.2) - 1.0, 1e-7);
+}
+
 TEST(Fields, EverySegmentHasItsShare) {
   const Folder folder;
   const auto outcome =

@@ -258,5 +258,36 @@ TEST(Shear, WhatCannotBeMeantIsRefused) {
   expectRefused(run(folder, file), {"tilt", "at most one"});
 }
 
+TEST(Shear, WorkThatIsBookedTooSeldomIsNamedAsTheCause) {
+  // A fibre across the slide rings undamped, faster than its stress is measured.
+  const Folder folder;
+  auto fibre = straightFibre({60, 5, 60}, {0, 1, 0}, 40);
+  for (std::size_t k = 0; k < 40; ++k) fibre.position[k].y = 5 + 10 * static_cast<double>(k);
+  fibre.closed = true;
+  BoxInput box;
+  box.upper = {120, 400, 120};
+  box.lower = {0, 0, 0};
+  box.periodic = {true, true, true};
+  writeState(folder / "in.h5", {fibre}, box);
+  const auto outcome = run(folder,
+                           fileScene +
+                               "-pair none -fibre_segment_length 10 -deform_xy rate "
+                               "-deform_xy_rate 1e-6 -deform_xy_until "
+                               "0.1 -ts_max_time 104000",
+                           2);
+  EXPECT_EQ(outcome.status, 2) << outcome.output;
+  EXPECT_TRUE(says(outcome,
+                   "take a smaller -ts_dt or -deform_interval (the box books its work "
+                   "every 20 steps)"))
+      << outcome.output;
+  EXPECT_EQ(run(folder,
+                fileScene + "-pair none -fibre_segment_length 10 -deform_xy rate -deform_xy_rate "
+                            "1e-6 -deform_xy_until 0.1 "
+                            "-deform_interval 1 -damping_local 0.3 -ts_max_time 104000 -overwrite",
+                2)
+                .status,
+            0);
+}
+
 }  // namespace
 }  // namespace nanoweft::test

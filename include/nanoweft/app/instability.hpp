@@ -9,8 +9,9 @@
 namespace nanoweft {
 
 /// Throws a RunError that names the fastest segment; `sign`: another sign of the instability to be
-/// named, or empty. Collective.
+/// named, or empty; `remedy`: what would help. Collective.
 [[noreturn]] void throwUnstable(const Moment& moment, const UnitSystem& units,
-                                const std::string& sign);
+                                const std::string& sign = "",
+                                const std::string& remedy = "take a smaller -ts_dt");
 
 }  // namespace nanoweft
