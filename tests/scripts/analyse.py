@@ -390,6 +390,16 @@ class Loads(unittest.TestCase):
         self.assertEqual((found["bundle_max"], found["bundle_mean"], found["bundle_alone"]),
                          (3, 2.5, 0.25))
 
+    def test_a_given_radius_is_that_of_bundles_and_of_the_stress(self):
+        turns = np.arange(6) * np.pi / 3
+        places = np.append([[0, 0]], 43.78 * np.column_stack([np.cos(turns), np.sin(turns)]), axis=0)
+        state = state_of([line((0, y, z), (1, 0, 0)) for y, z in places])
+        found = measured(state, "bundles", "contacts", radius=(20.0,))
+        self.assertEqual((found["bundle_mean"], found["bundle_alone"], found["contacts"]),
+                         (7, 0, 12))
+        found, thin = (measured(self.state, "stress", radius=radii) for radii in ((2 * R, 20), ()))
+        self.assertAlmostEqual(found["stress_max"], thin["stress_max"] / 4, delta=1e-9)
+
 
 class Command(FolderTest):
     def analyse(self, *arguments):

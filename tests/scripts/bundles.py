@@ -179,8 +179,18 @@ class Bundles(FolderTest):
             state.kinds = kinds.Kinds(tuple("abc"[:len(radii)]) * (len(radii) > 1), radii)
             found = bundles.usual_distance(state)
             self.assertEqual(found and round(found, 9), expected)
+        # A radius that is given comes before those of the run.
+        for given, expected in (((20.0,), 2 * 20 + 6.44), ((20.0, 20.0), 2 * 20 + 6.44),
+                                ((6.78, 20.0), None)):
+            found = bundles.usual_distance(state, given)
+            self.assertEqual(found and round(found, 9), expected)
         state.units = "si"
         self.assertIsNone(bundles.usual_distance(state))
+
+    def test_a_given_radius_widens_the_distance(self):
+        thick = [tube(*(43.78 * np.array(place))) for place in HEXAGON]
+        self.assertEqual(self.survey(thick)[1:3], (1, 1))
+        self.assertEqual(self.survey(thick, "--radius", "20")[1:3], (7, 7))
 
     def test_picture(self):
         write_state(self.path("a.h5"), bundle(HEXAGON))
@@ -200,6 +210,7 @@ class Bundles(FolderTest):
                                  ("lower --every", "good.h5", "--every", "100"),
                                  ("cannot write", "good.h5", "-o", "none/out.png"),
                                  ("invalid", "good.h5", "--distance", "-3"),
+                                 ("2 radii given", "good.h5", "--radius", "1,2"),
                                  ("invalid", "good.h5", "--strip", "2"),
                                  ("required",)):
             done = self.run_bundles(*arguments)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,10 +28,11 @@ def named(low: int, high: int | None) -> str:
     return f"{low}" if low == high else f"over {low - 1}" if high is None else f"{low}-{high}"
 
 
-def usual_distance(state: State) -> float | None:
-    """Distance between axes up to which fibres run side by side: 20 A for (10,10) tubes, and as
-    large a gap for others of one radius; None where there is no telling."""
-    radii = set(state.kinds.radii) or {LENGTH / 2}
+def usual_distance(state: State, given: Sequence[float] = ()) -> float | None:
+    """Distance between axes up to which fibres run side by side: 20 A for (10,10) tubes, which
+    fibres count as where nothing tells their radius, and as large a gap for others of one radius,
+    one `given` or the run's; None where there is no telling."""
+    radii = set(state.kinds.thickness(given, LENGTH / 2).tolist())
     if state.units != "nano" or len(radii) > 1:
         return None
     return float(2 * radii.pop() + 20 - LENGTH)

@@ -8,7 +8,7 @@ from ..units import GPA
 from .findings import Curve, Findings
 from .sample import Lacking, Sample
 
-RADIUS, LENGTH, STIFFNESS = 0, 1, 4  # places of r, T and B1 among the numbers of a kind
+LENGTH, STIFFNESS = 1, 4  # places of T and B1 among the numbers of a kind
 PARTS = ("stretch", "shear", "bending", "torsion", "pair")
 
 
@@ -24,7 +24,7 @@ def stress(sample: Sample) -> Findings:
     rest = state["rest_extension"][sample.order[rows]] if "rest_extension" in state else 0
     force = numbers[:, STIFFNESS] * (np.linalg.norm(sample.vector[rows], axis=1)
                                      - numbers[:, LENGTH] - rest)
-    one = force / (np.pi * numbers[:, RADIUS]**2) / (1e9 if state.units == "si" else GPA)
+    one = force / (np.pi * sample.thickness[of]**2) / (1e9 if state.units == "si" else GPA)
     bonds = np.bincount(sample.fibre[rows])
     each = np.bincount(sample.fibre[rows], one)[bonds > 0] / bonds[bonds > 0]
     found.add("stress_mean", one.mean(), "GPa",
