@@ -192,6 +192,13 @@ class Bundles(FolderTest):
         self.assertEqual(self.survey(thick)[1:3], (1, 1))
         self.assertEqual(self.survey(thick, "--radius", "20")[1:3], (7, 7))
 
+    def test_the_help_says_how_the_distance_follows(self):
+        gap = bundles.usual_distance(
+            states.of_fibres([(np.zeros((2, 3)), np.zeros((2, 4)))], (0, 0, 0), (9, 9, 9)), (0,))
+        for script in "bundles", "analyse":
+            done = self.run_program(os.path.join(scripts, script), "--help")
+            self.assertIn(f"2 r + {gap:.4g} Angstrom", " ".join(done.stdout.split()))
+
     def test_picture(self):
         write_state(self.path("a.h5"), bundle(HEXAGON))
         write_state(self.path("b.h5"), bundle(HEXAGON[:3]))
