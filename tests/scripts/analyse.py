@@ -392,8 +392,8 @@ class Loads(unittest.TestCase):
 
     def test_a_given_radius_is_that_of_bundles_and_of_the_stress(self):
         turns = np.arange(6) * np.pi / 3
-        places = np.append([[0, 0]], 43.78 * np.column_stack([np.cos(turns), np.sin(turns)]), axis=0)
-        state = state_of([line((0, y, z), (1, 0, 0)) for y, z in places])
+        places = 43.78 * np.column_stack([np.cos(turns), np.sin(turns)])
+        state = state_of([line((0, y, z), (1, 0, 0)) for y, z in [(0, 0), *places]])
         found = measured(state, "bundles", "contacts", radius=(20.0,))
         self.assertEqual((found["bundle_mean"], found["bundle_alone"], found["contacts"]),
                          (7, 0, 12))
