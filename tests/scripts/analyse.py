@@ -285,6 +285,16 @@ class Contacts(unittest.TestCase):
         bowed[15:25, 1] += 30
         self.assertEqual(measured(state_of([one, bowed]), "contacts")["contacts"], 2)
 
+    def test_what_breaks_leave_of_a_fibre_counts_as_one_each(self):
+        fibres = [line((0, (2 * R + 3) * k, 0), (1, 0, 0), 20) for k in range(3)]
+        for order in (0, 1, 2), (1, 0, 2), (0, 2, 1):
+            broken = np.zeros((3, 20), np.int8)
+            broken[order.index(1), 9] = 1
+            state = state_of([fibres[k] for k in order], bond_broken=broken.ravel())
+            found = measured(state, "contacts")
+            self.assertEqual([found[name] for name in ("contacts", "contacts_per_fibre",
+                                                       "partners_per_fibre")], [4, 2, 2])
+
     def test_contact_through_the_boundary(self):
         box = [0, 0, 0], [600, 600, 600]
         fibres = [line((20, 590, 300), (1, 0, 0), 20), line((100, 7.1, 200), (0, 0, 1), 20)]

@@ -23,18 +23,18 @@ CHUNK = 1_000_000
 
 def contacts(sample: Sample) -> Findings:
     """A contact is a place where surfaces of two fibres are less than the gap apart: one crossing,
-    or one stretch along which they run side by side."""
+    or one stretch along which they run side by side. A fibre is what breaks have left of it; what
+    was one fibre does not touch itself, or each break would count."""
     found = Findings(trends=("contacts_per_fibre",))
     gap = sample.settings.gap
     gap = GAP["si" if sample.state.units == "si" else "nano"] if gap is None else gap
     if gap > 5 * (sample.segment.max() + sample.thickness.max()):
         raise Unusable(f"{sample.name}: a gap of {gap:g} is more than five segments")
     touching, least = pairs(sample, gap)
-    fibres = int(sample.fibre.max()) + 1
+    fibres, chain = len(sample.start), sample.chain[sample.pieces.row]
     first = count_places(sample, touching)
-    ends = sample.fibre[sample.pieces.row[first]]
-    per_fibre = np.bincount(ends.ravel(), minlength=fibres)
-    two = sample.fibre[sample.pieces.row[touching]]
+    per_fibre = np.bincount(chain[first].ravel(), minlength=fibres)
+    two = chain[touching]
     partners = len(np.unique(two[:, 0] * fibres + two[:, 1]))
     length = sample.pieces.length.sum()
     found.add("contacts", len(first), "1",
