@@ -92,6 +92,13 @@ class Shape(unittest.TestCase):
                                    rtol=1e-12)
         self.assertAlmostEqual(found["torsion_rms"], 0, delta=1e-9)
 
+    def test_crimp_is_from_the_first_centre_to_the_last(self):
+        angle = np.pi * (np.arange(6) + 0.5) / 6
+        place = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+        found = measured(state_of([place]), "crimp")
+        # The half segments would make it 0.503; a semicircle has pi/2 - 1.
+        self.assertAlmostEqual(found["crimp_mean"], 0.340, delta=5e-4)
+
     def test_helix(self):
         radius, slope = 200.0, 60.0
         whole = radius**2 + slope**2
@@ -172,6 +179,13 @@ class Space(unittest.TestCase):
         fibres = [line((0.3, j * apart + shift, k * apart), (1, 0, 0), 12)
                   for j in range(rods) for k in range(rods)]
         return state_of(fibres, ([0, 0, 0], [12 * T, side, side]), (1, 1, 1), range(rods**2))
+
+    def test_ends_are_flat_for_porosity_and_round_for_contacts(self):
+        rod = line((0, 0, 0), (1, 0, 0), 3)
+        self.assertAlmostEqual(measured(state_of([rod]), "porosity")["extent_x"], 3 * T)
+        for apart, expected in ((3 * T + 2 * R + 6.3, 1), (3 * T + 2 * R + 6.5, 0)):
+            found = measured(state_of([rod, rod + [apart, 0, 0]]), "contacts")
+            self.assertEqual(found["contacts"], expected)
 
     def test_square_lattice_of_rods(self):
         found = measured(self.lattice(), "porosity", "pores", axis=0, cells=20000)
