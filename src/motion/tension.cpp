@@ -87,7 +87,9 @@ std::optional<Tension> readTension(Options& options, const UnitSystem& units, co
   }
   t.ends = t.asked.ends;
   t.asked.width = s.maybeReal("tension_width", "measured at the start", units.length,
-                              "width of the fabric, for the stress", positive);
+                              "width of the fabric, for the stress; what is measured reaches from "
+                              "axis to axis of the outermost fibres",
+                              positive);
   t.width = t.asked.width.value_or(0.0);
   t.asked.thickness = s.maybeReal(
       "tension_thickness",
