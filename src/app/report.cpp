@@ -150,14 +150,16 @@ void printBreakage(MPI_Comm comm, const BreakageLaw& law, const Fibre& fibre,
                    const UnitSystem& units) {
   const std::string strain = law.weibull ? format("by Weibull's law, shape %g, %g for %g %s",
                                                   law.shape, law.strain0, law.length0, units.length)
-                                         : format("of %g +- %g for %g %s", law.mean, law.deviation,
-                                                  fibre.diameter(), units.length);
+                                         : format("of %g +- %g", law.mean, law.deviation);
+  // A normal draw for a whole fibre does not depend on its length.
+  const std::string gage =
+      law.weibull || law.perFibre ? "" : format(" for %g %s", fibre.diameter(), units.length);
   const std::string along = law.perFibre && law.scatter > 0
                                 ? format(" with a scatter of %g of it along the fibre", law.scatter)
                                 : "";
-  PetscPrintf(comm, "  %sbonds break at a strain %s, one draw per %s%s, seed %llu\n",
-              ofKind(fibre).c_str(), strain.c_str(), law.perFibre ? "fibre" : "bond", along.c_str(),
-              static_cast<unsigned long long>(law.seed));
+  PetscPrintf(comm, "  %sbonds break at a strain %s%s, one draw per %s%s, seed %llu\n",
+              ofKind(fibre).c_str(), strain.c_str(), gage.c_str(), law.perFibre ? "fibre" : "bond",
+              along.c_str(), static_cast<unsigned long long>(law.seed));
   if (const double share = law.shareWithoutStrength(); share > 1e-6)
     PetscPrintf(comm,
                 "  warning: %.2g %% of the draws are no strength at all, and their bonds break at "
