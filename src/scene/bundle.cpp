@@ -43,7 +43,9 @@ std::unique_ptr<Scene> makeBundleScene(Options& options, const SceneContext& con
       line.points.push_back({middle + (k - 0.5 * (n - 1)) * T, gap * y, gap * z});
     return line;
   };
-  laying.space = std::sqrt(0.75) * gap * gap * static_cast<double>(strands) * pitch * inLine;
+  // Gaps lie between fibres, and none behind the last one.
+  laying.space =
+      std::sqrt(0.75) * gap * gap * static_cast<double>(strands) * (pitch * inLine - gap);
   laying.also = format("%g %s apart", gap, context.units.length);
   return layScene(context, std::move(laying));
 }

@@ -310,6 +310,16 @@ TEST(Scenes, SpringsAndHollowBraidsFillAFractionOfATube) {
   }
 }
 
+TEST(Scenes, ABundleFillsAFractionOfHexagonalCells) {
+  const double cell = std::sqrt(0.75) * rest * rest, full = std::numbers::pi * radius * radius;
+  for (const auto& [segments, inLine] : {std::pair{2, 1}, {20, 1}, {20, 3}}) {
+    const Stated bundle("-scene bundle -bundle_segments " + std::to_string(segments) +
+                        " -bundle_in_line " + std::to_string(inLine));
+    const double fibres = segments * inLine * T, gaps = (inLine - 1) * rest;
+    EXPECT_NEAR(bundle.fraction, full / cell * fibres / (fibres + gaps), 1e-4);
+  }
+}
+
 TEST(Scenes, AFlatBraidFillsAFractionOfABar) {
   const Stated bar("-scene braid -braid_strands 5 -braid_segments 400");
   const double section = (bar.span(&Vec3d::y) + rest) * (bar.span(&Vec3d::z) + rest);
