@@ -55,6 +55,24 @@ class Rope {
     return curve;
   }
 
+  double longestLay() const {
+    double longest = 0;
+    for (const Level& level : levels) longest = std::max(longest, std::abs(level.lay));
+    return longest;
+  }
+
+  /// How far along the axis a piece of fibre reaches, of its length, in the mean of all fibres over
+  /// a turn of the longest lay.
+  double advance(double chord) const {
+    const int chords = static_cast<int>(std::ceil(longestLay() / chord));
+    double sum = 0;
+    for (std::int64_t f = 0; f < fibres(); ++f) {
+      const std::vector<Vec3d> points = walk(curve(f), chord, chords + 1);
+      sum += (points.back().x - points.front().x) / (chords * chord);
+    }
+    return sum / fibres();
+  }
+
   /// Across, to the outsides of fibres a gap thick.
   double diameter(std::size_t from, double gap) const {
     double diameter = gap;
@@ -101,8 +119,7 @@ Rope layOut(const std::vector<int>& plies, const std::vector<double>& lays, cons
       throw InputError(format("-rope_lay %g: shorter than two diameters of what it twists, %.4g",
                               outer.lay, 2.0 * diameter));
     if (outer.count == 1) continue;
-    double longest = 0;
-    for (const Level& level : rope.levels) longest = std::max(longest, std::abs(level.lay));
+    const double longest = rope.longestLay();
     const int points = pointsToLookAt(1.2 * longest, chord, static_cast<double>(rope.fibres()),
                                       format("-rope_lay %g", longest));
     const double spacing = outer.spacing;
@@ -146,7 +163,8 @@ std::unique_ptr<Scene> makeRopeScene(Options& options, const SceneContext& conte
   std::string text;
   for (const Level& level : rope->levels)
     text += format("%s%.5g", text.empty() ? "" : ", ", level.lay);
-  laying.space = 0.25 * std::numbers::pi * diameter * diameter * mix->length(segments);
+  const double height = mix->length(segments) * rope->advance(mix->all().shortest());
+  laying.space = 0.25 * std::numbers::pi * diameter * diameter * height;
   laying.also = format("diameter %.5g %s, lay %s %s", diameter, unit, text.c_str(), unit);
   laying.shaped = shaped;
   return layScene(context, std::move(laying));

@@ -320,6 +320,19 @@ TEST(Scenes, ABundleFillsAFractionOfHexagonalCells) {
   }
 }
 
+TEST(Scenes, ARopeFillsAFractionOfABarAsLongAsItsHelicesAreHigh) {
+  // Fibres around the axis, and one that lies in it.
+  for (const auto& [plies, lay, core] : {std::tuple{2, 90.0, 0.0}, {7, 150.0, 1.0}}) {
+    const Stated rope("-scene rope -rope_segments 200 -rope_plies " + std::to_string(plies) +
+                      " -rope_lay " + std::to_string(lay));
+    const double from = rope.range(fromAxis)[1], length = 200 * T;
+    const double helix = length / std::hypot(1.0, 2.0 * std::numbers::pi * from / lay);
+    const double height = (core * length + (plies - core) * helix) / plies;
+    const double bar = std::numbers::pi * std::pow(from + 0.5 * rest, 2) * height;
+    EXPECT_NEAR(rope.volume / bar / rope.fraction, 1, 0.003) << plies;
+  }
+}
+
 TEST(Scenes, AFlatBraidFillsAFractionOfABar) {
   const Stated bar("-scene braid -braid_strands 5 -braid_segments 400");
   const double section = (bar.span(&Vec3d::y) + rest) * (bar.span(&Vec3d::z) + rest);
