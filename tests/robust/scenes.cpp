@@ -360,6 +360,35 @@ TEST(Scenes, ARacketFillsAFractionOfThePlateWithinItsOutline) {
   EXPECT_NEAR(racket.volume / (cells * cell * cell * rest) / racket.fraction, 1, 0.03);
 }
 
+/// On a ring of so many segments a winding: the median of the distances of segments from the
+/// nearest one of another winding.
+double nextWinding(const Laid& s, std::size_t ofWinding) {
+  std::vector<double> least;
+  for (std::size_t i = 0; i < s.x.size(); ++i) {
+    least.push_back(1e9);
+    for (std::size_t j = 0; j < s.x.size(); ++j)
+      if ((i > j ? i - j : j - i) > ofWinding / 2)
+        least.back() = std::min(least.back(), distanceFromPiece(s.x[i] - s.x[j], s.axis[j]));
+  }
+  std::ranges::nth_element(least, least.begin() + static_cast<std::ptrdiff_t>(least.size() / 2));
+  return least[least.size() / 2];
+}
+
+TEST(Scenes, AnOpenRingHasItsEndsApartAndItsWindingsSideBySide) {
+  for (const std::size_t windings : {1, 2, 3, 4, 7}) {
+    const std::string segments = std::to_string(120 * windings);
+    const Stated ring("-scene ring -ring_closed 0 -ring_windings " + std::to_string(windings) +
+                      " -ring_segments " + segments);
+    const auto& [x, axis, fibre, index, edge] = ring.laid;
+    const Vec3d first = x.front() - 0.5 * T * axis.front(), last = x.back() + 0.5 * T * axis.back();
+    EXPECT_GE(norm(first - last), rest) << windings;
+    EXPECT_LE(norm(first - last), rest + 2.0 * T) << windings;
+    if (windings == 1) continue;
+    EXPECT_GE(leastDistance(ring.laid), 0.99 * rest) << windings;
+    EXPECT_LE(nextWinding(ring.laid, 120), 1.05 * rest) << windings;
+  }
+}
+
 TEST(Scenes, KindsHaveTheirSharesOfTheFibres) {
   const Folder folder;
   expectDone(run(folder,
