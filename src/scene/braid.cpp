@@ -111,8 +111,21 @@ std::unique_ptr<Scene> makeBraidScene(Options& options, const SceneContext& cont
     return Line{walk(fibre(f, scale), mix->fibre(f).length, mix->segments(f, segments))};
   };
   const Line first = laying.line(0);
-  const double wide = 2.0 * scale * braid.wide + thick, high = 2.0 * scale * braid.high + thick,
-               section = braid.flat() ? wide * high : tubeSection(scale * braid.wide, high);
+  std::vector<Curve> curves;
+  for (std::int64_t f = 0; f < laying.fibres; ++f) curves.push_back(fibre(f, scale));
+  auto range = [&](const std::function<double(const Vec3d&)>& measure) {
+    constexpr int ofSwing = 40;  // the ends of each swing are among them
+    return rangeOn(curves, braid.lay, ofSwing * braid.swings(), measure);
+  };
+  double wide, section;
+  if (braid.flat()) {
+    wide = range([](const Vec3d& x) { return x.y; }).width() + gap;
+    section = wide * (range([](const Vec3d& x) { return x.z; }).width() + gap);
+  } else {
+    const Range radius = range([](const Vec3d& x) { return std::hypot(x.y, x.z); });
+    wide = 2.0 * radius.most + gap;
+    section = tubeSection(radius.middle(), radius.width() + gap);
+  }
   laying.space = section * (first.points.back().x - first.points.front().x + mix->fibre(0).length);
   laying.also = format("counted in the %s, %d strands of %d, lay %.5g %s, %.4g %s wide",
                        braid.flat() ? "flat bar around it" : "tube that it lies in", strands,

@@ -92,6 +92,14 @@ std::vector<Vec3d> restOf(const FibreGeometry& g) {
 
 }  // namespace
 
+Range rangeOn(const std::vector<Curve>& curves, double end, int parts,
+              const std::function<double(const Vec3d&)>& measure) {
+  Range range;
+  for (const Curve& curve : curves)
+    for (int k = 0; k < parts; ++k) range.add(measure(curve(end * k / parts)));
+  return range;
+}
+
 std::vector<Vec3d> walk(const Curve& curve, double chord, int count) {
   std::vector<Vec3d> points(static_cast<std::size_t>(count));
   const int middle = count / 2;

@@ -241,8 +241,9 @@ TEST(Scenes, AFilmFillsTheFractionAskedFor) {
   EXPECT_NEAR(volume / (500.0 * 500.0 * (top + 2.0 * radius)), 0.1, 0.002);
 }
 
-/// A scene of (10,10) tubes, and the volume fraction that the header says.
+/// A scene of (10,10) tubes, the volume fraction that the header says, and what else it says.
 struct Stated {
+  std::string output;
   Laid laid;
   double fraction, volume;
 
@@ -250,10 +251,8 @@ struct Stated {
     const Folder folder;
     const Outcome outcome = run(folder, options + " -ts_max_steps 0 -state_output out.h5");
     expectDone(outcome);
-    std::smatch found;
-    EXPECT_TRUE(std::regex_search(outcome.output, found, std::regex("volume fraction ([-.e0-9]+)")))
-        << outcome.output;
-    fraction = std::stod(found[1]);
+    output = outcome.output;
+    fraction = number("volume fraction ([-.e0-9]+)");
     laid = read(folder / "out.h5", {});
     volume = std::numbers::pi * radius * radius * T * static_cast<double>(laid.x.size());
   }
@@ -262,6 +261,12 @@ struct Stated {
     std::array<double, 2> found{1e9, -1e9};
     for (const Vec3d& x : laid.x) found = {std::min(found[0], of(x)), std::max(found[1], of(x))};
     return found;
+  }
+  /// The number of the header that this expression finds.
+  double number(const std::string& expression) const {
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(output, found, std::regex(expression))) << output;
+    return std::stod(found[1]);
   }
   double span(double Vec3d::*along) const {
     const auto [least, most] = range([=](const Vec3d& x) { return x.*along; });
@@ -337,6 +342,14 @@ TEST(Scenes, AFlatBraidFillsAFractionOfABar) {
   const Stated bar("-scene braid -braid_strands 5 -braid_segments 400");
   const double section = (bar.span(&Vec3d::y) + rest) * (bar.span(&Vec3d::z) + rest);
   EXPECT_NEAR(bar.volume / (section * bar.span(&Vec3d::x)) / bar.fraction, 1, 0.02);
+}
+
+TEST(Scenes, HollowBraidsAreAsWideAsTheirOutside) {
+  for (const char* strands : {"4", "6", "8", "12"}) {
+    const Stated tube(std::string("-scene braid -braid_segments 200 -braid_strands ") + strands);
+    EXPECT_NEAR(tube.number("([.0-9]+) A wide"), 2.0 * tube.range(fromAxis)[1] + rest, 0.1)
+        << strands;
+  }
 }
 
 TEST(Scenes, ARacketFillsAFractionOfThePlateWithinItsOutline) {

@@ -1,7 +1,9 @@
 /// Centre lines of fibres: places a bond length apart on a curve, and the frames of segments there.
 #pragma once
 
+#include <algorithm>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "nanoweft/base/vec.hpp"
@@ -23,6 +25,19 @@ using Curve = std::function<Vec3d(double)>;
 inline Vec3d unitVector(const Vec3d& v) {
   return (1.0 / norm(v)) * v;
 }
+
+/// From the least to the largest of some numbers.
+struct Range {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+
+  double width() const { return most - least; }
+  double middle() const { return 0.5 * (least + most); }
+  void add(double x) { least = std::min(least, x), most = std::max(most, x); }
+};
+
+/// Of a measure of the places on curves, at so many parameters from 0 to `end`.
+Range rangeOn(const std::vector<Curve>& curves, double end, int parts,
+              const std::function<double(const Vec3d&)>& measure);
 
 /// `count` places, each a chord of that length from the one before it; the middle one at 0.
 std::vector<Vec3d> walk(const Curve& curve, double chord, int count);
