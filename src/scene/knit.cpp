@@ -25,6 +25,9 @@ constexpr double twoPi = 2.0 * std::numbers::pi;
 // Of all such shapes these leave strands the most room where they pass each other.
 constexpr double bulge = 0.239, height = 0.464, course = 0.5545, deepest = 0.21;
 
+/// Of a loop, at which its curve is looked at.
+constexpr int parts = 400;
+
 struct Knit {
   int loops = 6, courses = 6, filaments = 1;
   bool periodic = false, shaped = false;
@@ -34,7 +37,6 @@ struct Knit {
 
   double span() const { return loops * width; }
   double pile() const { return courses * course * width; }
-  double thickness() const { return 2.0 * depth + thick; }
 
   /// Of a strand; the parameter is length along x, from the loop `first` on.
   Curve axis(std::int64_t row, double first) const {
@@ -55,8 +57,14 @@ struct Knit {
         0.01 * gap);
   }
 
+  /// From half a gap below the lowest axes to half of one above the highest.
+  double thickness() const {
+    std::vector<Curve> strand;
+    for (int f = 0; f < filaments; ++f) strand.push_back(fibre(f, 0));
+    return rangeOn(strand, width, parts, [](const Vec3d& x) { return x.z; }).width() + gap;
+  }
+
   double loopLength() const {
-    constexpr int parts = 400;
     const Curve curve = axis(0, 0);
     double sum = 0;
     for (int k = 0; k < parts; ++k)
@@ -85,8 +93,9 @@ void deepen(Knit& knit, double chord, const char* unit) {
 Box periodicBox(const Knit& knit, double margin) {
   Box box;
   box.periodic = {true, true, false};
-  box.lower = {0, 0, -margin - knit.thickness()};
-  box.upper = {knit.span(), knit.pile(), margin + knit.thickness()};
+  const double outside = margin + 2.0 * knit.depth + knit.thick;
+  box.lower = {0, 0, -outside};
+  box.upper = {knit.span(), knit.pile(), outside};
   return box;
 }
 
@@ -137,9 +146,9 @@ std::unique_ptr<Scene> makeKnitScene(Options& options, const SceneContext& conte
     return Line{walkAround(knit.fibre(f, 0.0), span, segments(f), T), true, {span, 0, 0}};
   };
   if (knit.periodic) laying.box = periodicBox(knit, 4.0 * context.kinds.longest());
-  laying.space = knit.span() * knit.pile() * knit.thickness();
-  laying.also =
-      format("loops %.5g %s wide, thickness %.4g %s", knit.width, unit, knit.thickness(), unit);
+  const double thickness = knit.thickness();
+  laying.space = knit.span() * knit.pile() * thickness;
+  laying.also = format("loops %.5g %s wide, thickness %.4g %s", knit.width, unit, thickness, unit);
   laying.shaped = knit.shaped;
   return layScene(context, std::move(laying));
 }

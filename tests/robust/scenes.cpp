@@ -352,6 +352,19 @@ TEST(Scenes, HollowBraidsAreAsWideAsTheirOutside) {
   }
 }
 
+TEST(Scenes, StrandsOfThreeFibresReachAsFarAsTheirAxes) {
+  const Stated braid("-scene braid -braid_filaments 3 -braid_segments 400");
+  const double wide = braid.span(&Vec3d::y) + rest, high = braid.span(&Vec3d::z) + rest;
+  EXPECT_NEAR(braid.number("([.0-9]+) A wide"), wide, 0.1);
+  EXPECT_NEAR(braid.volume / (wide * high * braid.span(&Vec3d::x)) / braid.fraction, 1, 0.01);
+  const Stated knit("-scene knit -knit_filaments 3 -knit_loops 4 -knit_courses 3 -knit_periodic");
+  const double thick = knit.span(&Vec3d::z) + rest, loop = knit.number("loops ([.0-9]+) A wide");
+  // Courses are 0.5545 loops apart.
+  const double space = 4 * loop * 3 * 0.5545 * loop * thick;
+  EXPECT_NEAR(knit.number("thickness ([.0-9]+)"), thick, 0.1);
+  EXPECT_NEAR(knit.volume / space / knit.fraction, 1, 0.002);
+}
+
 TEST(Scenes, ARacketFillsAFractionOfThePlateWithinItsOutline) {
   const Stated racket("-scene racket -racket_segments 200");
   const auto& x = racket.laid.x;
