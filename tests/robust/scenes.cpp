@@ -331,7 +331,12 @@ TEST(Scenes, ARopeFillsAFractionOfABarAsLongAsItsHelicesAreHigh) {
     const Stated rope("-scene rope -rope_segments 200 -rope_plies " + std::to_string(plies) +
                       " -rope_lay " + std::to_string(lay));
     const double from = rope.range(fromAxis)[1], length = 200 * T;
-    const double helix = length / std::hypot(1.0, 2.0 * std::numbers::pi * from / lay);
+    // Centres of neighbours are T from each other: a chord of the helix.
+    double rise = 0;
+    for (double step = 0.5 * T; step > 1e-9; step *= 0.5)
+      if (std::hypot(rise + step, 2 * from * std::sin(std::numbers::pi * (rise + step) / lay)) < T)
+        rise += step;
+    const double helix = 200 * rise;
     const double height = (core * length + (plies - core) * helix) / plies;
     const double bar = std::numbers::pi * std::pow(from + 0.5 * rest, 2) * height;
     EXPECT_NEAR(rope.volume / bar / rope.fraction, 1, 0.003) << plies;
