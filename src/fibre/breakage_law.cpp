@@ -78,11 +78,15 @@ namespace {
 
 void readNormal(OptionSection& s, const Strength& usual, BreakageLaw& law) {
   law.mean = s.maybeReal("break_strain_mean", "of the preset, 0.3 for cnt_10_10", "",
-                         "mean of the critical strains of lengths of 2 rf", positive)
+                         "mean of the critical strains of lengths of 2 rf, or of whole fibres with "
+                         "-break_per fibre",
+                         positive)
                  .value_or(usual.mean);
   law.deviation =
       s.maybeReal("break_strain_std", "of the preset, 0.05 for cnt_10_10", "",
-                  "standard deviation of the critical strains of lengths of 2 rf", nonNegative)
+                  "standard deviation of the critical strains of lengths of 2 rf, or of whole "
+                  "fibres",
+                  nonNegative)
           .value_or(usual.deviation);
 }
 
