@@ -1,9 +1,14 @@
 #include "nanoweft/base/team_size.hpp"
 
+#include <sched.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <string>
 #include <system_error>
 
 #include "nanoweft/base/threads.hpp"
@@ -19,6 +24,8 @@ constexpr double shortWindow = 0.03, window = 0.1, longWindow = 1.0;
 constexpr long enoughSteps = 20, fewestSteps = 3;
 /// A smaller size is tried from this delay on; a size is better when it costs this much less.
 constexpr double noticedDelay = 0.1, better = 0.95;
+/// Delay from which on a thread surely shares its core with an equal: then it has half of it.
+constexpr double sharedDelay = 0.3;
 
 /// Seconds for which threads of this process had work but no core, from the scheduler's statistics
 /// of Linux.
@@ -34,9 +41,32 @@ std::optional<double> secondsDelayed() {
   return failure ? std::nullopt : std::optional(1e-9 * nanoseconds);
 }
 
+/// Seconds since the computer started for which cores that this process may use did nothing, waited
+/// for a disc, or ran what others had put behind (nice), from the statistics of Linux.
+std::optional<double> secondsSpare() {
+  CoreSet mine;
+  CPU_ZERO(&mine);
+  if (sched_getaffinity(0, sizeof mine, &mine) != 0) return std::nullopt;
+  std::ifstream statistics("/proc/stat");
+  double ticks = 0;
+  bool found = false;
+  for (std::string line; std::getline(statistics, line);) {
+    int core;
+    double user, nice, system, idle, waiting;
+    if (std::sscanf(line.c_str(), "cpu%d %lf %lf %lf %lf %lf", &core, &user, &nice, &system, &idle,
+                    &waiting) != 6 ||
+        core >= CPU_SETSIZE || !CPU_ISSET(core, &mine))
+      continue;
+    ticks += nice + idle + waiting;
+    found = true;
+  }
+  if (!found) return std::nullopt;
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 }  // namespace
 
-void TeamTrials::note(double cost, double delay, double seconds) {
+void TeamTrials::note(double cost, double delay, double seconds, double freeCores) {
   if (settled_ > 0) {
     const bool found = cost < better * cost_;
     hold_ = found ? shortestHold : std::min(2.0 * hold_, longestHold);
@@ -52,9 +82,17 @@ void TeamTrials::note(double cost, double delay, double seconds) {
   // Each step beside a thread without a core costs, so a smaller size is tried at once.
   const bool atOnce = wantsSmaller && !smallerIsNoBetter_;
   if (next == size_ || (held_ < hold_ && !atOnce)) return;
+  // More threads would have to share a core.
+  if (next > size_ && freeCores < 0.5) return;
   settled_ = size_;
   cost_ = cost;
   size_ = next;
+}
+
+void TeamTrials::begin(double delay) {
+  if (delay < sharedDelay || size_ < 2) return;
+  --size_;
+  held_ = hold_;  // a larger one may be tried at once
 }
 
 bool TeamTrials::disturbed(double delay) {
@@ -70,7 +108,12 @@ bool TeamTrials::enough(long steps, double cost, double delay, double seconds) c
 
 TeamSize::TeamSize(int most, bool fixed)
     : fixed_(fixed || most < 2 || !secondsDelayed()), trials_(most) {
-  if (!fixed_) startWindow();
+  if (fixed_) return;
+  // What came before the first step has used all threads.
+  if (const double seconds = teamMeter().seconds; seconds > 2.0 * window)
+    trials_.begin(secondsDelayed().value_or(0.0) / (most * seconds));
+  teamMeter().most = trials_.size();
+  startWindow();
 }
 
 // What comes after in this process starts with all threads.
@@ -82,6 +125,8 @@ void TeamSize::startWindow() {
   steps_ = 0;
   begin_ = teamMeter().seconds;
   delayed_ = secondsDelayed().value_or(0.0);
+  wall_ = omp_get_wtime();
+  spare_ = secondsSpare();
 }
 
 void TeamSize::noteStep() {
@@ -96,7 +141,9 @@ void TeamSize::noteStep() {
   if (!trials_.enough(steps_, cost, delay, seconds)) return;
   threadSeconds_ += size * seconds;
   seconds_ += seconds;
-  trials_.note(cost, delay, seconds);
+  const auto spare = secondsSpare();
+  trials_.note(cost, delay, seconds,
+               spare && spare_ ? (*spare - *spare_) / (omp_get_wtime() - wall_) : 1.0);
   teamMeter().most = trials_.size();
   // Threads that have nothing to do would go on waiting in the runtime, and may spin.
   if (trials_.size() < size) omp_pause_resource(omp_pause_soft, omp_get_initial_device());

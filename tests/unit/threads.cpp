@@ -135,6 +135,20 @@ TEST(TeamSize, ShrinksBesideOthersAndGrowsAgain) {
   EXPECT_NEAR(busy.run(trials, 100), 3, 0.1);
 }
 
+TEST(TeamSize, TriesNoThreadForWhichThereIsNoCore) {
+  TeamTrials trials(2);
+  trials.begin(0.2);
+  EXPECT_EQ(trials.size(), 2);
+  trials.begin(0.5);  // threads have waited before the first step
+  EXPECT_EQ(trials.size(), 1);
+  for (int k = 0; k < 1000; ++k) {
+    trials.note(1.0, 0.0, 0.1, 0.1);
+    ASSERT_EQ(trials.size(), 1);
+  }
+  trials.note(1.0, 0.0, 0.1, 0.9);
+  EXPECT_EQ(trials.size(), 2);
+}
+
 TEST(TeamSize, KeepsAllWhereFewerAreNoFaster) {
   // Somebody takes a fifth of one core.
   TeamTrials trials(2);

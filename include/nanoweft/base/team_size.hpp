@@ -5,6 +5,8 @@
 /// the size.
 #pragma once
 
+#include <optional>
+
 namespace nanoweft {
 
 /// Finds the size by trying: what one size costs beside the next smaller or larger one.
@@ -18,8 +20,11 @@ class TeamTrials {
   /// Has enough been measured of the present size? `cost`: time of a step; `delay`: share of
   /// that time for which a thread had work but no core; `seconds`: how long has been measured.
   bool enough(long steps, double cost, double delay, double seconds) const;
-  /// Takes what has been measured and chooses the next size.
-  void note(double cost, double delay, double seconds);
+  /// Takes what has been measured and chooses the next size. `freeCores`: how many cores did
+  /// nothing, or what other programs wait with, meanwhile; 1 where that is not known.
+  void note(double cost, double delay, double seconds, double freeCores = 1.0);
+  /// Begins with a smaller team if threads had to wait so long before the first step.
+  void begin(double delay);
 
  private:
   static bool disturbed(double delay);
@@ -55,7 +60,9 @@ class TeamSize {
   bool fixed_;
   TeamTrials trials_;
   long steps_ = 0;
-  double begin_ = 0, delayed_ = 0;          ///< at the start of what is being measured
+  /// At the start of what is being measured.
+  double begin_ = 0, delayed_ = 0, wall_ = 0;
+  std::optional<double> spare_;             ///< seconds of all cores that nobody needed
   double threadSeconds_ = 0, seconds_ = 0;  ///< of all that has been measured
 };
 
