@@ -126,7 +126,7 @@ void EnergyWatch::judge(const Moment& moment, double available) const {
   if (risen > alarm_ * available)
     throwUnstable(moment, units_,
                   format(" and energy has risen by %.3g %s out of nothing", risen, units_.energy),
-                  box_.remedy());
+                  remedyOfDrift(box_));
 }
 
 }  // namespace

@@ -9,6 +9,13 @@
 
 namespace nanoweft {
 
+std::string remedyOfDrift(const BoxDrive& box) {
+  std::string text = "take a smaller -ts_dt";
+  if (box && box.interval() > 1)
+    text += format(" or -deform_interval (the box books its work every %ld steps)", box.interval());
+  return text;
+}
+
 void throwUnstable(const Moment& moment, const UnitSystem& units, const std::string& sign,
                    const std::string& remedy) {
   const State& state = moment.state();

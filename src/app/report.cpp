@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nanoweft/app/instability.hpp"
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/simd.hpp"
@@ -469,7 +470,7 @@ void remarkOnDrift(const RunParts& parts, const Moment& end) {
   if (drift > std::max(noticedDrift * there, roundOff))
     PetscPrintf(parts.plan->comm,
                 "  warning: that is %.2g %% of the energy that there was to turn into motion; %s\n",
-                100.0 * drift / there, parts.plan->boxDrive.remedy().c_str());
+                100.0 * drift / there, remedyOfDrift(parts.plan->boxDrive).c_str());
 }
 
 }  // namespace

@@ -128,13 +128,6 @@ const char* BoxDrive::shears() const {
   return sheared_ == none ? nullptr : names[sheared_];
 }
 
-std::string BoxDrive::remedy() const {
-  std::string text = "take a smaller -ts_dt";
-  if (active_ && interval_ > 1)
-    text += format(" or -deform_interval (the box books its work every %ld steps)", interval_);
-  return text;
-}
-
 std::string BoxDrive::text() const {
   std::string text;
   for (std::size_t d = 0; d < axes_.size(); ++d) {

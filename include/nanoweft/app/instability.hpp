@@ -4,6 +4,7 @@
 #include <string>
 
 #include "nanoweft/base/units.hpp"
+#include "nanoweft/motion/box_drive.hpp"
 #include "nanoweft/record/observer.hpp"
 
 namespace nanoweft {
@@ -13,5 +14,8 @@ namespace nanoweft {
 [[noreturn]] void throwUnstable(const Moment& moment, const UnitSystem& units,
                                 const std::string& sign = "",
                                 const std::string& remedy = "take a smaller -ts_dt");
+
+/// What helps where the energy balance drifts, for people.
+std::string remedyOfDrift(const BoxDrive& box);
 
 }  // namespace nanoweft

@@ -20,10 +20,11 @@ class TeamTrials {
   /// Has enough been measured of the present size? `cost`: time of a step; `delay`: share of
   /// that time for which a thread had work but no core; `seconds`: how long has been measured.
   bool enough(long steps, double cost, double delay, double seconds) const;
-  /// Takes what has been measured and chooses the next size. `freeCores`: how many cores did
-  /// nothing, or what other programs wait with, meanwhile; 1 where that is not known.
+  /// Takes what has been measured and chooses the next size. `freeCores`: how many cores meanwhile
+  /// did nothing, or ran niced programs; 1 where that is not known.
   void note(double cost, double delay, double seconds, double freeCores = 1.0);
-  /// Begins with a smaller team if threads had to wait so long before the first step.
+  /// Begins with a smaller team where `delay`, as above but of what came before the first step,
+  /// says that threads share a core.
   void begin(double delay);
 
  private:

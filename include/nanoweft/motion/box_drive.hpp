@@ -52,8 +52,6 @@ class BoxDrive {
   /// Size of the work that the box has done so far, whichever way: what is booked of it is as
   /// right as the stress is smooth from measurement to measurement.
   double turnedOver() const { return turnedOver_; }
-  /// What helps where the energy balance drifts, for people.
-  std::string remedy() const;
   /// Are segments carried along this axis, as the box is strained along it or slides along it?
   bool carries(int axis) const;
   /// Strain of shear since the start.
