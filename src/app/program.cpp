@@ -138,7 +138,7 @@ void printHelp(MPI_Comm comm, const Options& options, bool brief) {
   if (rank == 0 && !brief) std::printf("Of PETSc\n%s", petscHelp.c_str());
 }
 
-int runWithPetsc(MPI_Comm comm, bool briefHelp) {
+int runWithPetsc(MPI_Comm comm, bool briefHelp, const CoreWatch& cores) {
   const int threads = threadsPerRank(comm);
   omp_set_dynamic(0);
   omp_set_num_threads(threads);
@@ -148,7 +148,7 @@ int runWithPetsc(MPI_Comm comm, bool briefHelp) {
     printHelp(comm, options, briefHelp);
     return 0;
   }
-  const Team team{threads, std::getenv("OMP_NUM_THREADS") == nullptr};
+  const Team team{threads, std::getenv("OMP_NUM_THREADS") == nullptr, 1, cores};
   Simulation simulation(std::make_unique<RunParts>(std::move(plan), team));
   return static_cast<int>(simulation.run());
 }
@@ -201,7 +201,7 @@ bool asksForVersion(int argc, char** argv) {
   });
 }
 
-int runWithMpi(int argc, char** argv) {
+int runWithMpi(int argc, char** argv, const CoreWatch& cores) {
   const Ranks ranks;
   return guarded(ranks, [&] {
     GivenOptions given;
@@ -213,7 +213,7 @@ int runWithMpi(int argc, char** argv) {
     }
     startPetsc(ranks, given, argc, argv);
     const int status =
-        guarded(ranks, [&] { return runWithPetsc(PETSC_COMM_WORLD, given.briefHelp); });
+        guarded(ranks, [&] { return runWithPetsc(PETSC_COMM_WORLD, given.briefHelp, cores); });
     ranks.agreeOnCall<RunError>(PetscFinalize(), "PETSc cannot finish");
     return status;
   });
@@ -223,12 +223,13 @@ int runWithMpi(int argc, char** argv) {
 
 int runProgram(int argc, char** argv) {
   secondsSinceStart();
+  const CoreWatch cores;
   catchSignals();
   int provided, rank;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   catchCrashes(rank);
-  const int status = runWithMpi(argc, argv);
+  const int status = runWithMpi(argc, argv, cores);
   MPI_Finalize();
   return status;
 }

@@ -202,6 +202,7 @@ void RunParts::chooseTeam() {
     team.asked = static_cast<int>(std::clamp<std::int64_t>(busy, 1, team.asked));
   }
   team.given = teamGiven(team.asked);
+  teamSize.emplace(team.given, plan->settings.allThreads, team.cores);
   forces->lists().setThreads(team.given);
 }
 

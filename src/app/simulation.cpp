@@ -50,7 +50,6 @@ Simulation::Simulation(std::unique_ptr<RunParts> parts)
       system_(parts_->system()),
       observers_(parts_->plan->observers),
       breaks_(system_.forces.pairs().exclude()),
-      team_(parts_->team.given, parts_->plan->settings.allThreads),
       checkpointSeconds_(static_cast<double>(system_.state.total()) * secondsPerSegmentWritten),
       driftEvent_(logEvent("NwKickDrift")),
       kickEvent_(logEvent("NwKick")),
@@ -84,9 +83,11 @@ Ending Simulation::runToEnd() {
   printHeader(*parts_, start);
   begin();
   Clock clock(start);
+  parts_->teamSize->startSteps();
   while (verdict() == Verdict::goOn) {
     step();
-    team_.noteStep();
+    if (parts_->teamSize->noteStep(system_.forces.shares().size()))
+      system_.forces.lists().outdate();
   }
   // `done` has precedence over `stop`: a run that is over needs no checkpoint to go on from.
   if (verdict() == Verdict::stop) return stopEarly();
@@ -94,7 +95,7 @@ Ending Simulation::runToEnd() {
   const Moment end = moment();
   for (const auto& observer : observers_) observer->finish(end);
   sync();
-  printSummary(*parts_, end, clock, team_.mean());
+  printSummary(*parts_, end, clock, parts_->teamSize->mean());
   return Ending::done;
 }
 

@@ -1,15 +1,19 @@
 #include "nanoweft/base/team_size.hpp"
 
 #include <sched.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "nanoweft/base/threads.hpp"
 
@@ -26,6 +30,9 @@ constexpr long enoughSteps = 20, fewestSteps = 3;
 constexpr double noticedDelay = 0.1, better = 0.95;
 /// Delay from which on a thread surely shares its core with an equal: then it has half of it.
 constexpr double sharedDelay = 0.3;
+
+/// Seconds from which on the cores' statistics, which count hundredths, say something.
+constexpr double shortest = 0.08;
 
 /// Seconds for which threads of this process had work but no core, from the scheduler's statistics
 /// of Linux.
@@ -64,7 +71,27 @@ std::optional<double> secondsSpare() {
   return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
+/// Seconds of processors that this process has used.
+double secondsUsed() {
+  timespec used{};
+  if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used) != 0) return 0.0;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
 }  // namespace
+
+CoreWatch::CoreWatch() : wall_(omp_get_wtime()), used_(secondsUsed()), spare_(secondsSpare()) {}
+
+std::optional<double> CoreWatch::spare() const {
+  const double wall = omp_get_wtime() - wall_;
+  const auto spare = secondsSpare();
+  if (!spare || !spare_ || wall < shortest) return std::nullopt;
+  return (*spare - *spare_) / wall;
+}
+
+double CoreWatch::used() const {
+  return (secondsUsed() - used_) / (omp_get_wtime() - wall_);
+}
 
 void TeamTrials::note(double cost, double delay, double seconds, double freeCores) {
   if (settled_ > 0) {
@@ -89,7 +116,12 @@ void TeamTrials::note(double cost, double delay, double seconds, double freeCore
   size_ = next;
 }
 
-void TeamTrials::begin(double delay) {
+void TeamTrials::begin(double cores) {
+  size_ = std::clamp(static_cast<int>(std::lround(cores)), 1, most_);
+  held_ = hold_;  // a larger one may be tried at once
+}
+
+void TeamTrials::lookBack(double delay) {
   if (delay < sharedDelay || size_ < 2) return;
   --size_;
   held_ = hold_;  // a larger one may be tried at once
@@ -106,12 +138,19 @@ bool TeamTrials::enough(long steps, double cost, double delay, double seconds) c
   return steps >= enoughSteps || seconds >= longWindow || (disturbed(delay) && settled_ == 0);
 }
 
-TeamSize::TeamSize(int most, bool fixed)
+TeamSize::TeamSize(int most, bool fixed, const CoreWatch& cores)
     : fixed_(fixed || most < 2 || !secondsDelayed()), trials_(most) {
   if (fixed_) return;
-  // What came before the first step has used all threads.
-  if (const double seconds = teamMeter().seconds; seconds > 2.0 * window)
-    trials_.begin(secondsDelayed().value_or(0.0) / (most * seconds));
+  if (const auto spare = cores.spare()) trials_.begin(*spare + cores.used());
+  teamMeter().most = trials_.size();
+  startWindow();
+}
+
+void TeamSize::startSteps() {
+  if (fixed_) return;
+  const int size = trials_.size();
+  if (const double seconds = teamMeter().seconds - begin_; seconds > 2.0 * window)
+    trials_.lookBack((secondsDelayed().value_or(0.0) - delayed_) / (size * seconds));
   teamMeter().most = trials_.size();
   startWindow();
 }
@@ -125,12 +164,20 @@ void TeamSize::startWindow() {
   steps_ = 0;
   begin_ = teamMeter().seconds;
   delayed_ = secondsDelayed().value_or(0.0);
-  wall_ = omp_get_wtime();
-  spare_ = secondsSpare();
+  cores_ = CoreWatch();
 }
 
-void TeamSize::noteStep() {
-  if (fixed_) return;
+bool TeamSize::noteStep(std::size_t shares) {
+  if (fixed_) return false;
+  const bool waited = std::exchange(waits_, static_cast<std::size_t>(trials_.size()) > shares);
+  if (waits_) return true;
+  // What it has cost to make them says nothing about the new size.
+  if (waited) startWindow();
+  measure();
+  return false;
+}
+
+void TeamSize::measure() {
   ++steps_;
   const double seconds = teamMeter().seconds - begin_, cost = seconds / static_cast<double>(steps_);
   const int size = trials_.size();
@@ -141,9 +188,7 @@ void TeamSize::noteStep() {
   if (!trials_.enough(steps_, cost, delay, seconds)) return;
   threadSeconds_ += size * seconds;
   seconds_ += seconds;
-  const auto spare = secondsSpare();
-  trials_.note(cost, delay, seconds,
-               spare && spare_ ? (*spare - *spare_) / (omp_get_wtime() - wall_) : 1.0);
+  trials_.note(cost, delay, seconds, cores_.spare().value_or(1.0));
   teamMeter().most = trials_.size();
   // Threads that have nothing to do would go on waiting in the runtime, and may spin.
   if (trials_.size() < size) omp_pause_resource(omp_pause_soft, omp_get_initial_device());

@@ -28,7 +28,9 @@ void ListKeeper::rebuild(State& state, Domain& domain) {
   domain.rebuild(state, range(), std::max(range(), 2.0 * settings_.kinds.longest()),
                  rebuilds_ > 0 && state.ranks() > 1 ? &work_ : nullptr);
   const CellIndex cells(state, domain.grid(), state.local());
-  shares_ = shareSegments(state, domain.grid(), cells, settings_.threads);
+  // A pair of two shares is evaluated for each, so there are no more than threads that work.
+  shares_ =
+      shareSegments(state, domain.grid(), cells, std::min(settings_.threads, teamMeter().most));
   bonds_.build(state, domain, shares_, settings_.breakage);
   if (settings_.pairs) makePairLists(state, domain, cells);
   noteWork(state, domain);

@@ -110,7 +110,7 @@ struct Machine {
 
 TEST(TeamSize, LeavesAllThreadsToWhatComesAfter) {
   {
-    const TeamSize size(2, false);
+    const TeamSize size(2, false, CoreWatch());
     EXPECT_DOUBLE_EQ(size.mean(), 2);
     teamMeter().most = 1;  // as it does where a core is taken
   }
@@ -137,9 +137,9 @@ TEST(TeamSize, ShrinksBesideOthersAndGrowsAgain) {
 
 TEST(TeamSize, TriesNoThreadForWhichThereIsNoCore) {
   TeamTrials trials(2);
-  trials.begin(0.2);
+  trials.begin(1.6);
   EXPECT_EQ(trials.size(), 2);
-  trials.begin(0.5);  // threads have waited before the first step
+  trials.begin(1.4);
   EXPECT_EQ(trials.size(), 1);
   for (int k = 0; k < 1000; ++k) {
     trials.note(1.0, 0.0, 0.1, 0.1);
@@ -147,6 +147,41 @@ TEST(TeamSize, TriesNoThreadForWhichThereIsNoCore) {
   }
   trials.note(1.0, 0.0, 0.1, 0.9);
   EXPECT_EQ(trials.size(), 2);
+}
+
+TEST(TeamSize, BeginsWithTheThreadsThatHaveCores) {
+  TeamTrials trials(4);
+  for (const auto& [cores, size] : {std::pair{15.0, 4}, {3.7, 4}, {2.9, 3}, {0.2, 1}}) {
+    trials.begin(cores);
+    EXPECT_EQ(trials.size(), size) << cores;
+  }
+  trials.note(1.0, 0.0, 0.1, 2.0);  // the others have gone
+  EXPECT_EQ(trials.size(), 2);
+}
+
+TEST(TeamSize, BeginsWithFewerWhereThreadsHaveWaited) {
+  TeamTrials trials(2);
+  trials.lookBack(0.2);
+  EXPECT_EQ(trials.size(), 2);
+  trials.lookBack(0.5);
+  EXPECT_EQ(trials.size(), 1);
+}
+
+TEST(TeamSize, TheCoresOfThisProcessAreCounted) {
+  const CoreWatch cores;
+  EXPECT_FALSE(cores.spare());  // too little time has passed
+  const double begin = omp_get_wtime();
+  while (omp_get_wtime() - begin < 0.2) continue;
+  const auto spare = cores.spare();
+  ASSERT_TRUE(spare);
+  EXPECT_GE(*spare, 0);
+  EXPECT_GT(cores.used(), 0);
+}
+
+TEST(TeamSize, WaitsForAsManyShares) {
+  TeamSize size(2, false, CoreWatch());
+  EXPECT_TRUE(size.noteStep(1));
+  EXPECT_FALSE(size.noteStep(2));
 }
 
 TEST(TeamSize, KeepsAllWhereFewerAreNoFaster) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nanoweft/app/run_plan.hpp"
+#include "nanoweft/base/team_size.hpp"
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/force/force_field.hpp"
 #include "nanoweft/motion/step_limit.hpp"
@@ -18,8 +19,9 @@ namespace nanoweft {
 /// The threads of a rank.
 struct Team {
   int asked = 1;
-  bool atMost = false;  ///< fewer when a small scene would not keep them busy
-  int given = 1;        ///< by the runtime
+  bool atMost = false;   ///< fewer when a small scene would not keep them busy
+  int given = 1;         ///< by the runtime
+  CoreWatch cores = {};  ///< since the start of this process, or of what uses it
 };
 
 struct RunParts {
@@ -43,6 +45,7 @@ struct RunParts {
 
   std::unique_ptr<RunPlan> plan;
   Team team;
+  std::optional<TeamSize> teamSize;
   std::unique_ptr<State> state;
   std::unique_ptr<Domain> domain;
   std::unique_ptr<ForceField> forces;

@@ -7,7 +7,6 @@
 #include "nanoweft/app/last_checkpoint.hpp"
 #include "nanoweft/app/notices.hpp"
 #include "nanoweft/app/run_parts.hpp"
-#include "nanoweft/base/team_size.hpp"
 #include "nanoweft/motion/breakage.hpp"
 #include "nanoweft/record/energies.hpp"
 #include "nanoweft/record/observer.hpp"
@@ -79,7 +78,6 @@ class Simulation : private RunBook, private Agreement {
   const Observers& observers_;
   Breaks breaks_;
   Notices notices_;
-  TeamSize team_;
   double farthest_ = 0;               ///< ListKeeper::farthest of all ranks
   int heard_ = 0;                     ///< what the ranks agreed on last
   int agreed_ = 0;                    ///< the part of it that waits for the next step
