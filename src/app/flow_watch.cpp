@@ -12,6 +12,8 @@ namespace {
 constexpr long interval = 100;
 /// Plastic strain of a bond beyond which it warns: contacts go on as if it had its first length.
 constexpr double most = 0.5;
+/// Rest rotation beyond which it warns: at 3 rad flow stops.
+constexpr double sharpest = 2.8;
 
 class FlowWatch : public Observer {
  public:
@@ -21,30 +23,61 @@ class FlowWatch : public Observer {
   }
 
  private:
-  void look(const Moment& moment);
+  void look(const Moment& moment) {
+    lookAtLengths(moment);
+    lookAtShapes(moment);
+  }
+  void lookAtLengths(const Moment& moment);
+  void lookAtShapes(const Moment& moment);
 
-  bool warned_ = false;
+  bool longWarned_ = false, sharpWarned_ = false;
 };
 
-void FlowWatch::look(const Moment& moment) {
-  if (warned_) return;
+struct FlowedBond {
+  double measure = 0;
+  long long fibre = 0;
+  int index = 0;
+};
+
+/// The bond whose measure is farthest from 0, on all ranks.
+template <class Measure>
+FlowedBond farthestOf(const State& state, const Measure& measure) {
+  FlowedBond bond;
+  for (int i = 0; i < state.owned(); ++i)
+    if (const double m = measure(i); std::abs(m) > std::abs(bond.measure))
+      bond = {m, static_cast<long long>(state.fibre[i]), state.chain[2 * i]};
+  largestOfRanks(std::abs(bond.measure), bond, state.comm());
+  return bond;
+}
+
+void FlowWatch::lookAtLengths(const Moment& moment) {
+  if (longWarned_) return;
   const State& state = moment.state();
   const Kinds& kinds = moment.system.forces.kinds();
-  struct {
-    double strain = 0;
-    long long fibre = 0;
-    int index = 0;
-  } bond;
-  for (int i = 0; i < state.owned(); ++i)
-    if (const double strain = state.extension[i] / kinds[state.kind(i)].length;
-        std::abs(strain) > std::abs(bond.strain))
-      bond = {strain, static_cast<long long>(state.fibre[i]), state.chain[2 * i]};
-  if (largestOfRanks(std::abs(bond.strain), bond, state.comm()) <= most) return;
-  warned_ = true;
+  const auto bond =
+      farthestOf(state, [&](int i) { return state.extension[i] / kinds[state.kind(i)].length; });
+  if (std::abs(bond.measure) <= most) return;
+  longWarned_ = true;
   PetscPrintf(state.comm(),
               "warning: step %lld: fibre %lld flows, and its bond behind segment %d has a rest "
               "length changed by %.0f %%; contacts and energies are doubtful there\n",
-              static_cast<long long>(moment.step()), bond.fibre, bond.index, 100.0 * bond.strain);
+              static_cast<long long>(moment.step()), bond.fibre, bond.index, 100.0 * bond.measure);
+}
+
+void FlowWatch::lookAtShapes(const Moment& moment) {
+  if (sharpWarned_) return;
+  const State& state = moment.state();
+  const auto bond = farthestOf(state, [&](int i) {
+    const double* rest = state.rest + 3 * i;
+    return norm(Vec3d{rest[0], rest[1], rest[2]});
+  });
+  if (bond.measure <= sharpest) return;
+  sharpWarned_ = true;
+  PetscPrintf(state.comm(),
+              "warning: step %lld: fibre %lld flows, and its bond behind segment %d has a rest "
+              "rotation of %.3g rad; at 3 rad it stops to flow and carries more than its yield "
+              "moment\n",
+              static_cast<long long>(moment.step()), bond.fibre, bond.index, bond.measure);
 }
 
 }  // namespace

@@ -84,13 +84,30 @@ class Smooth {
   /// The place at the share s of a piece.
   Vec3d within(std::size_t piece, double s) const {
     const Vec3d a = point(piece, 0), b = point(piece, 1);
+    const double length = norm(b - a);
+    const Vec3d ta = length * slope(piece, 0), tb = length * slope(piece, 1);
     // Beyond the ends the curve goes straight on.
-    if (s < 0 || s > 1) return a + s * (b - a);
-    const Vec3d before = point(piece, -1), after = point(piece, 2);
-    const Vec3d ta = 0.5 * (b - before), tb = 0.5 * (after - a);
+    if (s < 0) return a + s * ta;
+    if (s > 1) return b + (s - 1.0) * tb;
     const double s2 = s * s, s3 = s2 * s;
     return (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * ta + (3 * s2 - 2 * s3) * b +
            (s3 - s2) * tb;
+  }
+
+  /// Change of place with the parameter at the point so many places from the k-th: that of the
+  /// parabola through it and its two neighbours, or through the last three points. Pieces of any
+  /// lengths may follow each other: the curve runs back only where the points do.
+  Vec3d slope(std::size_t k, int places) const {
+    const auto last = static_cast<std::int64_t>(line_.points.size()) - 1;
+    const std::int64_t i = static_cast<std::int64_t>(k) + places;
+    const bool first = !line_.closed && i == 0, final = !line_.closed && i == last;
+    const int middle = first && last > 1 ? places + 1 : final && last > 1 ? places - 1 : places;
+    const Vec3d before = point(k, middle - 1), at = point(k, middle), after = point(k, middle + 1);
+    const double ahead = norm(after - at), behind = norm(at - before);
+    const Vec3d along = (1.0 / ahead) * (after - at), past = (1.0 / behind) * (at - before);
+    const Vec3d there = (1.0 / (ahead + behind)) * (ahead * past + behind * along);
+    if (middle == places) return there;
+    return 2.0 * (first ? past : along) - there;
   }
 
   /// The point so many places from the k-th; beyond the ends on the line of the last two.
@@ -111,13 +128,23 @@ class Smooth {
   std::vector<double> until_;  ///< the parameter at the end of each piece
 };
 
-double lengthOf(const Smooth& curve, double T) {
-  double length = 0;
+/// Length of a curve, and the parameter in the middle of it.
+struct Measure {
+  double length, middle;
+};
+
+Measure measured(const Smooth& curve, double T) {
   constexpr int parts = 20;
   const int pieces = std::max(100, static_cast<int>(parts * curve.length() / T));
+  std::vector<double> until{0.0};
   for (int k = 0; k < pieces; ++k)
-    length += norm(curve(curve.length() * (k + 1) / pieces) - curve(curve.length() * k / pieces));
-  return length;
+    until.push_back(until.back() + norm(curve(curve.length() * (k + 1) / pieces) -
+                                        curve(curve.length() * k / pieces)));
+  const double half = 0.5 * until.back();
+  const auto above = std::ranges::upper_bound(until, half);
+  const double share = (half - above[-1]) / (above[0] - above[-1]);
+  const auto place = static_cast<double>(above - until.begin() - 1) + share;
+  return {until.back(), curve.length() * place / pieces};
 }
 
 }  // namespace
@@ -128,16 +155,16 @@ Laying layOnCentreLines(Laying laying, const std::vector<CentreLine>& lines) {
     const auto f = static_cast<std::int64_t>(laid->size());
     double T = laying.mix->fibre(f).length;
     const Smooth curve(line);
-    const double length = lengthOf(curve, T);
+    const auto [length, middle] = measured(curve, T);
     const auto segments = static_cast<int>(std::lround(length / T));
     if (const int least = line.closed ? 3 : 2; segments < least)
       throw InputError(format("%s: fibre %lld is %.4g long, which is less than %d segments of %.4g",
                               laying.file.c_str(), static_cast<long long>(f), length, least, T));
-    const double middle = 0.5 * curve.length();
     if (line.closed)
       laid->push_back({walkAround(curve, curve.length(), segments, T), true, line.round});
     else
-      laid->push_back({walk([&](double u) { return curve(middle + u); }, T, segments)});
+      laid->push_back(
+          {walk([&, from = middle](double u) { return curve(from + u); }, T, segments)});
   }
   auto line = [=](std::int64_t f) -> const Line& { return (*laid)[static_cast<std::size_t>(f)]; };
   laying.fibres = static_cast<std::int64_t>(laid->size());

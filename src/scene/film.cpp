@@ -52,11 +52,11 @@ std::vector<double> drape(std::vector<double> need, double rise) {
   return z;
 }
 
-/// A line through the points, straight between them; the middle one is at 0.
+/// A line through the points, straight between them, with its middle at 0.
 Curve through(const std::vector<Vec3d>& points, double step) {
   return [points, step](double u) {
     const auto last = static_cast<double>(points.size() - 2);
-    const double s = u / step + static_cast<double>(points.size() / 2);
+    const double s = u / step + 0.5 * static_cast<double>(points.size() - 1);
     const double piece = std::clamp(std::floor(s), 0.0, last);
     const auto k = static_cast<std::size_t>(piece);
     return points[k] + (s - piece) * (points[k + 1] - points[k]);

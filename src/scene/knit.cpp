@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/scene/crowd.hpp"
@@ -124,21 +125,24 @@ std::unique_ptr<Scene> makeKnitScene(Options& options, const SceneContext& conte
   knit.width = wanted.value_or(std::max(12.0 * context.kinds.longest(), 5.0 * knit.thick));
   deepen(knit, context.kinds.shortest(), unit);
   const double length = knit.loopLength() * knit.loops;
-  auto countOf = [&](double T) {
+  auto countOf = [&](std::int64_t f) {
+    const double T = mix->fibre(f).length;
     int count = std::max(3, static_cast<int>(std::lround(length / T)));
     if (!knit.periodic) return count;
     // Chords are shorter than arcs, so fewer of them go around.
     for (int trial = 0; trial < 3; ++trial) {
       double chord = T;
-      walkAround(knit.fibre(0, 0.0), knit.span(), count, chord);
+      walkAround(knit.fibre(f, 0.0), knit.span(), count, chord);
       count = std::max(3, static_cast<int>(std::lround(count * chord / T)));
     }
     return count;
   };
-  std::map<double, int> counts;  // by length of a segment
+  // Fibres of a strand are not equally long.
+  auto alike = [=](std::int64_t f) { return std::pair(f % knit.filaments, mix->fibre(f).length); };
+  std::map<std::pair<std::int64_t, double>, int> counts;
   for (std::int64_t f = 0; f < laying.fibres; ++f)
-    if (const double T = mix->fibre(f).length; !counts.contains(T)) counts[T] = countOf(T);
-  laying.segments = [=](std::int64_t f) { return counts.at(mix->fibre(f).length); };
+    if (!counts.contains(alike(f))) counts[alike(f)] = countOf(f);
+  laying.segments = [=](std::int64_t f) { return counts.at(alike(f)); };
   laying.line = [=, segments = laying.segments](std::int64_t f) {
     double T = mix->fibre(f).length;
     if (!knit.periodic) return Line{walk(knit.fibre(f, 0.5 * knit.loops), T, segments(f))};

@@ -7,16 +7,37 @@ namespace nanoweft {
 
 namespace {
 
-/// How far the parameter goes from `from` until the place is a chord away. `guess`: the step
-/// before.
+/// The step of a parameter after which two places are a chord away from each other. `guess`: about
+/// how long it is.
+double stepFor(double chord, double guess, const std::function<double(double)>& distanceAfter) {
+  double step = guess;
+  for (int k = 0; k < 100; ++k) {
+    const double distance = distanceAfter(step);
+    if (std::abs(distance / chord - 1.0) < 1e-13) return step;
+    step *= std::clamp(chord / distance, 0.5, 2.0);
+  }
+  // Where the curve turns back the distance falls again; the first step that is long enough counts.
+  const double part = std::copysign(0.01 * chord, guess);
+  int parts = 1;
+  while (parts < 10000 && distanceAfter(parts * part) < chord) ++parts;
+  double low = (parts - 1) * part, high = parts * part;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (distanceAfter(middle) < chord ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// How far the parameter goes from `from` until the place is a chord away.
 double stepAlong(const Curve& curve, double from, double chord, double guess) {
   const Vec3d start = curve(from);
-  for (int k = 0; k < 100; ++k) {
-    const double distance = norm(curve(from + guess) - start);
-    if (std::abs(distance / chord - 1.0) < 1e-13) break;
-    guess *= std::clamp(chord / distance, 0.5, 2.0);
-  }
-  return guess;
+  return stepFor(chord, guess, [&](double step) { return norm(curve(from + step) - start); });
+}
+
+/// How far the parameter goes on both sides of 0 until the places are a chord away from each other.
+double stepAround(const Curve& curve, double chord) {
+  return 0.5 * stepFor(chord, chord,
+                       [&](double step) { return norm(curve(0.5 * step) - curve(-0.5 * step)); });
 }
 
 /// The turn that takes one unit vector to another, without twist.
@@ -67,8 +88,11 @@ std::vector<Vec3d> midwayDirections(const Line& line, const std::vector<Vec3d>& 
   return directions;
 }
 
-/// Directions of fibres that are at rest as they lie: midway ones, unless they stray from the
-/// segments' by more than these turn from one to the next, as they do on lines with kinks.
+/// By how much midway directions may stray (model.md 10).
+constexpr double farthestStray = 0.1;
+
+/// Directions of fibres that are at rest as they lie: midway ones, unless they stray far from the
+/// segments', or by more than these turn from one to the next, as they do on lines with kinks.
 std::vector<Vec3d> restDirections(const Line& line) {
   const std::vector<Vec3d> given = directionsOf(line), midway = midwayDirections(line, given);
   double strays = 0, turns = 0;
@@ -76,7 +100,7 @@ std::vector<Vec3d> restDirections(const Line& line) {
     strays = std::max(strays, norm(midway[k] - given[k]));
     if (k > 0) turns = std::max(turns, norm(given[k] - given[k - 1]));
   }
-  return strays > turns ? given : midway;
+  return strays > std::min(turns, farthestStray) ? given : midway;
 }
 
 /// The rotations from each segment to the next as they are.
@@ -102,10 +126,12 @@ Range rangeOn(const std::vector<Curve>& curves, double end, int parts,
 
 std::vector<Vec3d> walk(const Curve& curve, double chord, int count) {
   std::vector<Vec3d> points(static_cast<std::size_t>(count));
-  const int middle = count / 2;
-  points[static_cast<std::size_t>(middle)] = curve(0.0);
+  const bool even = count % 2 == 0;
+  const double half = even ? stepAround(curve, chord) : 0.0;
   for (const int way : {1, -1}) {
-    double u = 0, step = way * chord;
+    const int middle = even && way < 0 ? count / 2 - 1 : count / 2;
+    double u = way * half, step = way * chord;
+    points[static_cast<std::size_t>(middle)] = curve(u);
     for (int k = middle + way; k >= 0 && k < count; k += way) {
       u += step = stepAlong(curve, u, chord, step);
       points[static_cast<std::size_t>(k)] = curve(u);

@@ -169,6 +169,9 @@ Vec3d axisBy(Reading reading, const Quatd& q) {
 }  // namespace
 
 std::string axisCause(const StartBonds& bonds, const StartContext& c) {
+  if (!c.fromFile)
+    return "the line turns back within a segment: round its corners, or cut it into shorter "
+           "segments";
   const State& s = bonds.state();
   const MinimumImage nearest(s.box);
   std::array<std::int64_t, readings> fits{};

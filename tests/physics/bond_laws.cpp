@@ -213,6 +213,38 @@ TEST(PlasticFlow, ABondThatHasFlowedTooFarIsReported) {
     }
 }
 
+/// Two segments, the second of which is turned about an axis across the first.
+std::string hinge(const std::string& options) {
+  return "-scene fibre -fibre_segments 2 -pair none -bc root,tip -root_region -1,-1,-1,1,1,1 "
+         "-root_fix 1,1,1 -root_fix_rotation -tip_region 12,-1,-1,14,1,1 -tip_axis 0,0,1 -ts_dt 10 "
+         "-monitor_interval 100 -energy_monitor ascii:e.csv -progress_interval 0 " +
+         options;
+}
+
+TEST(PlasticFlow, AFoldStopsShortOfPi) {
+  const Folder folder;
+  const auto outcome = run(folder, hinge("-tip_spin 4e-5 -tip_centre 6.78,6,0 "
+                                         "-fibre_yield_curvature 0.01 -ts_max_steps 9500"));
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(says(outcome, "at 3 rad it stops to flow")) << outcome.output;
+  const auto damped = readCsv(folder / "e.csv").at("damped");
+  EXPECT_GT(damped.back(), 500);
+  for (std::size_t k = 1; k < damped.size(); ++k)
+    ASSERT_GE(damped[k], damped[k - 1] - 1e-6 * damped.back()) << k;
+}
+
+TEST(PlasticFlow, NeverGivesEnergy) {
+  const Folder folder;
+  ASSERT_EQ(run(folder, hinge("-fibre_twist 0.5 -tip_spin 1e-5 -tip_centre 6.78,0,0 "
+                              "-fibre_yield_curvature 0.004 -ts_max_steps 8000"))
+                .status,
+            0);
+  const auto damped = readCsv(folder / "e.csv").at("damped");
+  EXPECT_GT(damped.back(), 1);
+  for (std::size_t k = 1; k < damped.size(); ++k)
+    ASSERT_GE(damped[k], damped[k - 1] - 1e-6 * damped.back()) << k;
+}
+
 TEST(PlasticFlow, AFibreThatIsCurvedAtRestFlowsFromThatShape) {
   const Folder folder;
   const double rest = 0.005 * tube::length, yield = 0.002 * tube::length;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <regex>
 #include <string>
@@ -479,6 +480,74 @@ TEST(Scenes, AFibreFollowsThePointsOfATextFile) {
   EXPECT_EQ(s.x.size(), 93u + 15);  // 200/T = 14.7
 }
 
+/// Lengths of a fibre's bonds over T, and turns from one bond to the next.
+struct Bends {
+  std::vector<double> lengths, turns;
+
+  explicit Bends(const std::vector<Vec3d>& x) {
+    for (std::size_t k = 1; k < x.size(); ++k) {
+      lengths.push_back(norm(x[k] - x[k - 1]) / T);
+      if (k < 2) continue;
+      const Vec3d a = x[k - 1] - x[k - 2], b = x[k] - x[k - 1];
+      turns.push_back(std::atan2(norm(cross(a, b)), dot(a, b)));
+    }
+  }
+};
+
+TEST(Scenes, PointsOfATextFileMayLieAnyhowFarApart) {
+  const Folder folder;
+  // An arc, and two straight lines of 44 and 45 segments.
+  const double radius = 600;
+  std::string text;
+  for (const double angle : {0.0, 0.3, 0.31, 0.75, 0.9, 1.2, 1.35, 1.36, 1.8, 2.1})
+    text += std::to_string(radius * std::cos(angle)) + " " +
+            std::to_string(radius * std::sin(angle)) + " 0\n";
+  writeText(folder / "in.txt", text + "\n0 0 50\n280 0 50\n283 0 50\n596.64 0 50\n" +
+                                   "\n0 0 90\n3 0 90\n610.2 0 90\n");
+  expectDone(run(folder, "-scene text -text_file in.txt -ts_max_steps 0 -state_output out.h5", 2));
+  const Laid s = read(folder / "out.h5", {});
+  std::vector<Vec3d> fibres[3];
+  for (std::size_t k = 0; k < s.x.size(); ++k)
+    fibres[static_cast<std::size_t>(s.fibre[k])].push_back(s.x[k]);
+  for (const auto& fibre : fibres)
+    for (const double length : Bends(fibre).lengths) EXPECT_NEAR(length, 1.0, 1e-9);
+  for (const double turn : Bends(fibres[0]).turns) EXPECT_NEAR(turn * radius / T, 1.0, 0.1);
+  EXPECT_EQ(fibres[1].size(), 44u);
+  EXPECT_EQ(fibres[2].size(), 45u);
+  // A fibre's ends are half a segment from the centres of its last segments.
+  for (const auto& fibre : {fibres[1], fibres[2]}) {
+    EXPECT_NEAR(fibre.front().x, 0.5 * T, 1e-9);
+    EXPECT_NEAR(fibre.back().x, fibre.size() * T - 0.5 * T, 1e-9);
+  }
+}
+
+TEST(Scenes, ASharpCornerAtRestTurnsNoOtherSegments) {
+  const Folder folder;
+  writeText(folder / "in.txt", "0 0 0\n200 0 0\n3 24 0\n");
+  run(folder,
+      "-scene text -text_file in.txt -text_rest shaped -start_unchecked -pair none "
+      "-ts_max_steps 0 -state_output out.h5");
+  const auto x = readVectors(folder / "out.h5", "/state/position");
+  const auto q = readOrientations(folder / "out.h5");
+  for (std::size_t k = 1; k < 10; ++k) EXPECT_GT(dot(axis1(q[k]), x[k + 1] - x[k]), 0.99 * T) << k;
+}
+
+TEST(Scenes, EvenNumbersOfSegmentsLieAboutTheMiddle) {
+  for (const char* segments : {"24", "25"}) {
+    const Folder folder;
+    const std::string n = segments;
+    expectDone(run(folder, "-scene rope -rope_plies 2 -rope_segments " + n +
+                               " -ts_max_steps 0 -state_output rope.h5"));
+    expectDone(run(folder, "-scene racket -racket_segments " + n +
+                               "0 -ts_max_steps 0 -state_output racket.h5"));
+    const auto rope = readVectors(folder / "rope.h5", "/state/position"),
+               racket = readVectors(folder / "racket.h5", "/state/position");
+    EXPECT_NEAR(rope.front().x + rope.back().x, 0, 1e-9) << n;
+    EXPECT_NEAR(racket.front().x, racket.back().x, 1e-9) << n;
+    EXPECT_NEAR(racket.front().y, -racket.back().y, 1e-9) << n;
+  }
+}
+
 TEST(Scenes, TowsOfTwoKindsLeaveEachKindItsRoom) {
   const Folder folder;
   const auto outcome = run(folder,
@@ -532,6 +601,17 @@ TEST(Scenes, AKnitThatIsClosedFitsItsSegmentsToItsChords) {
     const auto x = readVectors(folder / "s.h5", "/state/position");
     const auto segments = static_cast<double>(x.size() / 4);
     EXPECT_LT(std::abs(norm(x[1] - x[0]) / T - 1.0) * segments, 0.51) << loops;
+  }
+  // Fibres of a strand are not equally long.
+  expectDone(run(folder,
+                 "-scene knit -knit_periodic -knit_loops 2 -knit_courses 2 -knit_filaments 3 -pair "
+                 "none -ts_max_steps 0 -overwrite -state_output s.h5"));
+  const Laid s = read(folder / "s.h5", {});
+  std::map<std::int64_t, std::vector<Vec3d>> fibres;
+  for (std::size_t k = 0; k < s.x.size(); ++k) fibres[s.fibre[k]].push_back(s.x[k]);
+  for (const auto& [f, x] : fibres) {
+    const auto segments = static_cast<double>(x.size());
+    EXPECT_LT(std::abs(norm(x[1] - x[0]) / T - 1.0) * segments, 0.51) << f;
   }
 }
 

@@ -39,7 +39,8 @@ struct Range {
 Range rangeOn(const std::vector<Curve>& curves, double end, int parts,
               const std::function<double(const Vec3d&)>& measure);
 
-/// `count` places, each a chord of that length from the one before it; the middle one at 0.
+/// `count` places, each a chord of that length from the one before it; the middle one at the
+/// parameter 0, or the middle two as far before it as behind it.
 std::vector<Vec3d> walk(const Curve& curve, double chord, int count);
 
 /// `count` places from the parameter 0 on, in equal chords that end at the parameter `end`.
