@@ -89,7 +89,7 @@ std::vector<Vec3d> midwayDirections(const Line& line, const std::vector<Vec3d>& 
 }
 
 /// By how much midway directions may stray (model.md 10).
-constexpr double farthestStray = 0.1;
+constexpr double farthestStray = 0.3;
 
 /// Directions of fibres that are at rest as they lie: midway ones, unless they stray far from the
 /// segments', or by more than these turn from one to the next, as they do on lines with kinks.
