@@ -29,7 +29,9 @@ struct Placed {
 };
 
 /// The pair force with the numbers of points that are compared, and the disorder of a relaxed
-/// fabric: places vary by 0.003 rf (0.02 A for the (10,10) tube), axes by 0.002 rad.
+/// fabric: places vary by 0.003 rf (0.02 A for the (10,10) tube), or of 2.2 of the gaps that fibres
+/// keep where that is less, since forces change over gaps; ends about the places by two thirds of
+/// it (0.002 rad where T = 2 rf).
 class Comparison {
  public:
   Comparison(const PairForce& pair, const Fibre& fibre)
@@ -58,8 +60,11 @@ class Comparison {
     auto normal = [&](std::uint64_t what) {
       return normalDraw(what, Purpose::errorEstimate, id, sample);
     };
-    return {x + (0.003 * fibre_.radius) * Vec3d{normal(1), normal(2), normal(3)},
-            q * rotation({0.0, 0.002 * normal(4), 0.002 * normal(5)})};
+    const double gap = rest_ - fibre_.diameter();
+    const double disorder = 0.003 * (gap > 0 ? std::min(fibre_.radius, 2.2 * gap) : fibre_.radius),
+                 turn = 2.0 / 3.0 * disorder / (0.5 * length());
+    return {x + disorder * Vec3d{normal(1), normal(2), normal(3)},
+            q * rotation({0.0, turn * normal(4), turn * normal(5)})};
   }
 
   /// Distance with the least energy, or with the overlap of a soft repulsion, of two endless

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/program.hpp"
+#include "support/state_edit.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -190,6 +191,33 @@ TEST(Energy, TensionWithBreakageIsAudited) {
   }
   EXPECT_LT(errors[0], 0.02);
   EXPECT_LT(errors[1], 0.5 * errors[0]);
+}
+
+TEST(ForceError, IsNoLargerInABundleThanTheHeaderSays) {
+  for (const char* fibre : {"cnt_10_10", "mwcnt_20_10", "mwcnt_60_20"}) {
+    const Folder folder;
+    std::string said;
+    auto forces = [&](const std::string& options) {
+      const auto outcome =
+          run(folder,
+              "-scene bundle -bundle_fibres 7 -bundle_segments 20 -bundle_stagger 60 "
+              "-scene_perturb 0.02 -ts_max_steps 0 -overwrite -state_output out.h5 -state_forces "
+              "-pair_gap_switch 30 -pair_gap_cutoff 40 -fibre_preset " +
+                  std::string(fibre) + options);
+      EXPECT_EQ(outcome.status, 0) << outcome.output;
+      const std::string before = "expected force error ";
+      if (said.empty()) said = outcome.output.substr(outcome.output.find(before) + before.size());
+      return readVectors(folder / "out.h5", "/state/force");
+    };
+    const auto found = forces(" -pair_accuracy 0.05"), exact = forces(" -pair_points 60");
+    const auto bonds = forces(" -pair_points 60 -vdw_epsilon 1e-12");
+    double error = 0, size = 0;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const Vec3d e = found[k] - exact[k], f = exact[k] - bonds[k];
+      error += dot(e, e), size += dot(f, f);
+    }
+    EXPECT_LT(100.0 * std::sqrt(error / size), std::stod(said)) << fibre;
+  }
 }
 
 }  // namespace
