@@ -8,8 +8,9 @@ from PIL import Image
 from support import FolderTest
 
 
-def write_table(name, columns):
+def write_table(name, columns, *comments):
     with open(name, "w") as file:
+        file.writelines(f"# {line}\n" for line in comments)
         file.write(",".join(columns) + "\n")
         for row in zip(*columns.values()):
             file.write(",".join(f"{value:.17g}" for value in row) + "\n")
@@ -108,10 +109,33 @@ class Plot(FolderTest):
         picture = self.draw("stress", "virial.csv")
         rows, columns = np.nonzero(near(picture, VERMILION))
         self.assertGreater(len(rows), 500)
-        # yy changes more than xx, and shear does not count: it ends at a third of the strength.
+        # yy is nearer to the grips than xx, and shear does not count: it ends at a third of the
+        # strength.
         strength = np.flatnonzero(near(picture, BLUE).sum(axis=1) > 3)
         self.assertGreater(rows[columns > 0.85 * picture.shape[1]].min(), strength.min())
         self.draw("stress", "plain.csv", "virial.csv")
+
+    def test_the_virial_stress_is_that_along_the_pull(self):
+        grips = stresses()["stress_left_GPa"]
+        # What changes most, and what is nearest to the grips, is across the pull.
+        for axis, *options in ("x",), ("y", "-tension_axis y"), ("z", "-tension_axis z"):
+            normal = {f"virial_{d}{d}_GPa": grips for d in "xyz"}
+            normal[f"virial_{axis}{axis}_GPa"] = 0.5 * grips
+            write_table(self.path("a.csv"), stresses(**normal), "nanoweft 1.0", "-seed 1", *options)
+            np.testing.assert_allclose(plots.virial_of(tables.read(self.path("a.csv"))),
+                                       0.5 * grips)
+
+    def test_where_the_table_does_not_tell_the_axis_the_grips_do(self):
+        grips = stresses()["stress_left_GPa"]
+        more = {"virial_xx_GPa": 0 * grips, "virial_yy_GPa": 0.9 * grips,
+                "virial_zz_GPa": 4 * grips}
+        # A test that goes on has the axis of its first stage.
+        for comments in (), ("nanoweft 1.0", "-scene file"):
+            write_table(self.path("a.csv"), stresses(**more), *comments)
+            np.testing.assert_allclose(plots.virial_of(tables.read(self.path("a.csv"))),
+                                       0.9 * grips)
+        write_table(self.path("a.csv"), stresses())
+        self.assertIsNone(plots.virial_of(tables.read(self.path("a.csv"))))
 
     def test_tables_of_the_program(self):
         done = self.run_program(nanoweft, *"-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4"
@@ -167,4 +191,5 @@ if __name__ == "__main__":
     nanoweft, scripts = sys.argv[1:3]
     sys.path.insert(0, scripts)
     from nanoweft import tables  # noqa: E402
+    from nanoweft.pictures import plots  # noqa: E402
     unittest.main(argv=sys.argv[:1])

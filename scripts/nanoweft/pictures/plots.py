@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.ticker import MaxNLocator  # noqa: E402
 
+from .. import options  # noqa: E402
 from .. import tables as tables_module  # noqa: E402
 from ..analysis.decay import fit_decay  # noqa: E402
 from ..problems import Unusable  # noqa: E402
@@ -122,11 +123,24 @@ def plot_convergence(tables: Tables, labels: Labels) -> Figure:
     return figure
 
 
+def pull_axis(table: Table) -> str | None:
+    """The direction of the pull, by the options of the run; None where they do not tell it."""
+    given = options.parse("\n".join(table.options))
+    if axis := given.get("tension_axis"):
+        return str(axis)
+    # A test that goes on keeps the axis of the state that it starts from.
+    goes_on = given.get("scene") == "file" and "tension_new" not in given
+    return "x" if table.program and not goes_on else None
+
+
 def virial_of(table: Table) -> Array | None:
-    """The virial stress along the pull, which of the normal stresses changes most; None without."""
-    normal = [table[name] for name in table
-              if name[:7] == "virial_" and name[7:9] in ("xx", "yy", "zz")]
-    return max(normal, key=lambda column: float(np.ptp(column))) if normal else None
+    """The virial stress along the pull; None without. Where the table does not tell the axis, the
+    normal stress that is nearest to that of the grips."""
+    normal = {name[7]: table[name] for name in table
+              if name[:7] == "virial_" and name[7:9] in ("xx", "yy", "zz")}
+    grips = (table["stress_left_GPa"] + table["stress_right_GPa"]) / 2
+    return normal.get(pull_axis(table) or min(
+        normal, default="", key=lambda axis: float(np.square(normal[axis] - grips).sum())))
 
 
 def plot_stress(tables: Tables, labels: Labels) -> Figure:
