@@ -104,6 +104,16 @@ class State:
     def time_text(self) -> str:
         return time_text(self.time, self.units)
 
+    @property
+    def stage(self) -> int:
+        """Through how many runs of the program it had gone before the one that wrote it."""
+        return int(np.ravel(self.run.get("stage", 0))[0])
+
+    @property
+    def moment(self) -> tuple[int, int]:
+        """What snapshots are put in order by: steps begin at 0 again in each stage."""
+        return self.stage, self.step
+
     def radius(self, given: Sequence[float] = (), usual: float = math.nan) -> Array:
         """Of each segment [N], in the state's unit of length: one given for all or one for each
         kind, else as the run that wrote the state had it, else `usual`."""

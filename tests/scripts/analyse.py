@@ -12,7 +12,8 @@ nanoweft, scripts = sys.argv[1:3]
 sys.path.insert(0, scripts)
 from nanoweft import kinds, states, units  # noqa: E402
 from nanoweft.analysis import contacts, sample, shape, survey  # noqa: E402
-from nanoweft.analysis.findings import Settings  # noqa: E402
+from nanoweft.analysis.findings import Column, Settings  # noqa: E402
+from nanoweft.pictures.findings import draw_trends, plt  # noqa: E402
 from nanoweft.problems import Unusable  # noqa: E402
 
 T, R = 13.56, 6.78
@@ -484,6 +485,21 @@ class Command(FolderTest):
                 sizes.append(picture.size)
         # The numbers over time have a panel of their own.
         self.assertGreater(sizes[1][0], 1.5 * sizes[0][0])
+
+    def test_trends_have_a_line_for_each_stage(self):
+        rows = []
+        for stage, time in (1, 50.0), (0, 300.0), (1, 0.0), (0, 0.0):
+            state = state_of([line((0, 0, 0), (1, 0, 0))])
+            state.time, state.run = time, {"stage": np.array([stage])}
+            column = Column("a", 1000 * stage + time, "1", "")
+            rows.append(survey.Row("made", state, [column], [], (("a",),)))
+        figure, panel = plt.subplots()
+        draw_trends(panel, ("a",), rows)
+        self.assertEqual([(each.get_label(), each.get_xdata().tolist(), each.get_ydata().tolist())
+                          for each in panel.lines],
+                         [("a, stage 1", [0, 300], [0, 300]), ("a, stage 2", [0, 50],
+                                                               [1000, 1050])])
+        plt.close(figure)
 
     def test_refusals(self):
         write_state(self.path("good.h5"), [line((0, 0, 0), (1, 0, 0))])

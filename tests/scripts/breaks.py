@@ -3,6 +3,7 @@ import os
 import sys
 import unittest
 
+import h5py
 import numpy as np
 from support import FolderTest, write_state
 
@@ -50,6 +51,20 @@ class Breaks(FolderTest):
             self.assertEqual(lines[8].split()[-5:], ["40.0", "0.0", "40.0", "0.0", "20.0"])
             self.assertEqual(lines[9].split()[-5:], ["2", "0", "0", "0", "1"])
             self.assertEqual(lines[10].split()[-5:], ["20.0"] * 5)
+
+    def test_stages_follow_each_other_and_are_named(self):
+        self.write("a.h5", 0)
+        self.write("b.h5", 10, [(0, 19)])
+        self.write("c.h5", 0, [(0, 19)])
+        self.write("d.h5", 5, [(0, 19), (3, 7)])
+        for name in "c.h5", "d.h5":
+            with h5py.File(self.path(name), "r+") as file:
+                file.create_group("run").attrs["stage"] = [1]
+        done = self.breaks("d.h5", "c.h5", "b.h5", "a.h5")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual([line.split(maxsplit=5)[5] for line in done.stdout.splitlines()[2:4]],
+                         ["0 fs of stage 1 to 10 ps of stage 1",
+                          "0 fs of stage 2 to 5 ps of stage 2"])
 
     def test_edges_given(self):
         self.write("a.h5", 0)

@@ -58,6 +58,20 @@ class Shares(FolderTest):
         self.assertEqual(strains, [float(f"{100 * strain:.3f}") for strain in pulled])
         self.assertLess(strains[-1], max(strains))
 
+    def test_the_stages_of_a_test_follow_each_other(self):
+        first = self.pull("-state_output end.h5")
+        for name in first:
+            os.rename(name, name.replace("frame_", "first_"))
+        second = self.pull("-scene_file end.h5", "-overwrite",
+                           test="-tension_rate 2e-6 -tension_max_strain 0.02")
+        both = [name.replace("frame_", "first_") for name in first] + second
+        done = self.shares(*reversed(both))
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        strains = [float(line.split()[0]) for line in done.stdout.splitlines()[1:]]
+        self.assertEqual(len(strains), len(both))
+        self.assertEqual(strains, sorted(strains))
+        self.assertGreater(strains[-1], 1.5)
+
     def test_a_broken_kind_carries_nothing(self):
         last = self.pull("-soft_break_strain_mean 0.004 -soft_break_strain_std 0",
                          "-tension_max_strain 0.03")[-1]

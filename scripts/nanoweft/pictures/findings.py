@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import pathlib
 from collections.abc import Sequence
@@ -22,6 +23,7 @@ from .style import CYCLE, INK, TABLES  # noqa: E402
 Array = NDArray[Any]
 COLUMNS = 3
 NAMED = 6  # snapshots at most that the legend names all
+DASHES = ("-", "--", ":", "-.")  # of stages
 
 
 def draw(output: str, rows: Sequence[Row]) -> None:
@@ -105,18 +107,24 @@ def draw_curves(panel: Any, name: str, rows: Sequence[Row]) -> None:
 
 
 def draw_trends(panel: Any, names: tuple[str, ...], rows: Sequence[Row]) -> None:
-    """Columns of one unit over time, or over the number of the snapshot where time stands still."""
+    """Columns of one unit over time, or over the number of the snapshot where time stands still; a
+    line for each stage, since time begins at 0 again in each."""
     second = SECONDS["si" if rows[0].state.units == "si" else "nano"]
     seconds = np.array([row.state.time for row in rows]) * second
     label, x = "snapshot", np.arange(1.0, len(rows) + 1)
     if np.ptp(seconds) > 0:
         unit, size = largest_unit(float(seconds.max()), TIME)
         label, x = f"time, {unit}", seconds / size
-    order = np.argsort(x, kind="stable")
+    stage = np.array([row.state.stage for row in rows])
+    stages = np.unique(stage)
     units = {column.name: column.unit for column in columns_of(rows)}
     for name, tint in zip(names, [INK, *CYCLE]):
-        panel.plot(x[order], np.array([row.value(name) for row in rows])[order], ".-", color=tint,
-                   label=name)
+        values = np.array([row.value(name) for row in rows])
+        for each, dash in zip(stages, itertools.cycle(DASHES)):
+            order = np.flatnonzero(stage == each)
+            order = order[np.argsort(x[order], kind="stable")]
+            panel.plot(x[order], values[order], dash, marker=".", color=tint,
+                       label=name + f", stage {each + 1}" * (len(stages) > 1))
     unit = units.get(names[0], "1")
     panel.set(xlabel=label, ylabel="" if unit == "1" else unit.replace("A", "Å"))
     panel.legend(loc="best", fontsize=8)
