@@ -66,6 +66,39 @@ class Breaks(FolderTest):
                          ["0 fs of stage 1 to 10 ps of stage 1",
                           "0 fs of stage 2 to 5 ps of stage 2"])
 
+    def test_a_piece_that_is_periodic_across_has_no_free_edge(self):
+        for name, broken in ("a.h5", []), ("b.h5", [(0, 19), (3, 7)]):
+            self.write(name, len(broken), broken)
+            with h5py.File(self.path(name), "r+") as file:
+                file["state"].attrs.update(periodic=[0, 1, 0], lower=[-1e5, -50, -1e5],
+                                           upper=[1e5, 250, 1e5])
+        done = self.breaks("a.h5", "b.h5")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        lines = done.stdout.splitlines()
+        self.assertIn("width 300 along y", lines[0])
+        self.assertEqual([line.split()[4] for line in lines[2:4]], ["-", "-"])
+        self.assertEqual(done.stdout.count("free edge"), 1)
+        self.assertIn("from nearer grip, broken", done.stdout)
+        done = self.breaks("a.h5", "b.h5", "--edges=0,400")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+        self.assertIn("no free edges", done.stderr)
+
+    def test_the_gage_is_that_of_the_program(self):
+        # Grips of 52 hold the segments up to 50 and from 350 on.
+        self.write("a.h5", 0)
+        self.write("b.h5", 1, [(0, 19)])
+        for strain, gage in (0.0, 296), (0.1, 325.6):
+            for name in "a.h5", "b.h5":
+                with h5py.File(self.path(name), "r+") as file:
+                    file.require_group("run").attrs.update(
+                        tension=[0, 296, 400], tension_axis=[0], tension_ends=[0.0, 400.0],
+                        tension_grip=[52.0], tension_strain=[0.0, strain])
+            done = self.breaks("a.h5", "b.h5")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn(f"gage {gage}, width", done.stdout)
+            self.assertEqual(done.stdout.splitlines()[2].split()[3],
+                             f"{0.5 - 5 / gage:.3f}")
+
     def test_edges_given(self):
         self.write("a.h5", 0)
         self.write("b.h5", 10, [(0, 19), (1, 19), (3, 7)])

@@ -56,7 +56,8 @@ class Bundles(FolderTest):
             r"bundle ([\d.]+), largest (\d+); mean number of neighbours ([\d.]+)",
             done.stdout).groups())
         edges = {line.split()[0]: [int(text) for text in line.split()[1:]]
-                 for line in done.stdout.splitlines()[-4:]}
+                 for line in done.stdout.splitlines()
+                 if re.match("  (bottom|top|left|right) ", line)}
         return share, mean, largest, neighbours, edges
 
     def test_hexagonal_bundle(self):
@@ -125,6 +126,9 @@ class Bundles(FolderTest):
         fibres += bundle([(0, 0)], (-300.0, 0.0), **more) + bundle(row, (side / 2, 0.0), **more)
         expected = {"bottom": [3] * 4, "top": [4] * 4, "left": [5] * 4, "right": [6] * 4}
         self.assertEqual(self.survey(fibres)[4], expected)
+        # In a direction that is periodic, here x, there are none.
+        edges = self.survey(fibres, box=([-1e4] * 3, [1e4] * 3))[4]
+        self.assertEqual(set(edges), {"bottom", "top"})
 
     def test_against_all_pairs(self):
         sys.path.insert(0, scripts)

@@ -25,19 +25,24 @@ class Sheet:
         held = [(group & bit) != 0 for bit in (LEFT_GRIP, RIGHT_GRIP)]
         if not (held[0].any() and held[1].any()):
             raise Unusable(f"{name}: no segments held by two grips (bits 28 and 29 of group)")
-        self.axis = np.argmax(place[held[1]].mean(axis=0) - place[held[0]].mean(axis=0))
-        self.left, self.right = place[held[0], self.axis].max(), place[held[1], self.axis].min()
+        self.axis, self.left, self.right = faces(state, *(place[one] for one in held))
         between = place[~(held[0] | held[1])]
         if self.right <= self.left or not len(between):
             raise Unusable(f"{name}: nothing lies between the grips")
-        # The wider of the two other directions is the width.
+        # The wider of the two other directions is the width: of the box where it goes round.
         spread = np.ptp(between, axis=0)
+        spread = np.where(state.periodic, np.minimum(spread, state.box), spread)
         spread[self.axis] = -1
-        self.across = np.argmax(spread)
+        self.across = int(np.argmax(spread))
+        self.endless = bool(state.periodic[self.across])
+        if edges and self.endless:
+            raise Unusable(f"{name}: --edges, but the box is periodic along {'xyz'[self.across]},"
+                           " so there are no free edges")
         self.low: float
         self.high: float
-        self.low, self.high = edges or (between[:, self.across].min(),
-                                        between[:, self.across].max())
+        self.low, self.high = edges or (
+            (state.lower[self.across], state.upper[self.across]) if self.endless else
+            (between[:, self.across].min(), between[:, self.across].max()))
         self.bond = np.flatnonzero((np.diff(self.fibre) == 0) & (np.diff(self.index) == 1))
         self.middle = np.array(place)
         self.middle[self.bond] = (place[self.bond] + place[self.bond + 1]) / 2
@@ -60,6 +65,18 @@ class Sheet:
     def from_edge(self, rows: Array) -> Array:
         return inward((self.middle[rows, self.across] - self.low)
                       / max(self.high - self.low, 1e-300))
+
+
+def faces(state: State, left: Array, right: Array) -> tuple[int, float, float]:
+    """The direction of the pull and the inner faces of both grips along it: those that the program
+    counts the strain by, else the innermost of the segments that they hold."""
+    run = state.run
+    if {"tension", "tension_axis", "tension_ends", "tension_grip", "tension_strain"} <= set(run):
+        moved = 0.5 * run["tension_strain"][-1] * run["tension"][1]
+        lower, upper = run["tension_ends"] + (run["tension_grip"][0] - moved) * np.array([1, -1])
+        return int(run["tension_axis"][0]), float(lower), float(upper)
+    axis = int(np.argmax(right.mean(axis=0) - left.mean(axis=0)))
+    return axis, float(left[:, axis].max()), float(right[:, axis].min())
 
 
 def inward(fraction: Array) -> Array:

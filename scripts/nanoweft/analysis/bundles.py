@@ -160,8 +160,8 @@ def ranges(begin: Array, count: Array) -> Array:
 
 def edge_bundles(fabric: Fabric, seeds: Array, sizes: Array, strip: float,
                  every: int) -> dict[str, Array]:
-    """For each side the largest bundle that runs along it, within the outermost strip, at evenly
-    spaced places of the middle four fifths of the side."""
+    """For each free side the largest bundle that runs along it, within the outermost strip, at
+    evenly spaced places of the middle four fifths of the side."""
     place, axis = fabric.position[seeds], np.abs(fabric.axis[seeds])
     # Tubes that came off alone are no part of the piece.
     piece = place[sizes > 1] if (sizes > 1).any() else place
@@ -169,6 +169,8 @@ def edge_bundles(fabric: Fabric, seeds: Array, sizes: Array, strip: float,
     extent = high - low
     result = {}
     for side, (normal, sign) in SIDES.items():
+        if np.isfinite(fabric.box[normal]):  # periodic: there is no edge
+            continue
         run = 1 - normal
         inward = place[:, normal] - low[normal] if sign < 0 else high[normal] - place[:, normal]
         along = place[:, run] - low[run]
