@@ -11,6 +11,7 @@ import sys
 import tempfile
 import unittest
 
+import h5py
 import numpy as np
 from PIL import Image
 from support import FolderTest, write_state
@@ -193,6 +194,22 @@ class Report(FolderTest):
             write_state(self.path(f"s_{step:010}.h5"), [straight(0)], step=step, time=1.0 * step)
         write_state(self.path("checkpoint_0000000020.h5"), [straight(0)], step=20, time=20.0)
         self.assertEqual([one["name"] for one in self.data(self.make()[1])["series"]], ["s"])
+
+    def test_the_box_is_that_of_each_snapshot(self):
+        for step, wide, tilt in (0, 300.0, 0.0), (10, 400.0, 120.0):
+            name = self.path(f"s_{step:010}.h5")
+            write_state(name, [straight(0)], step=step, time=1.0 * step,
+                        box=([-10.0, -50.0, -5.0], [wide - 10, 50.0, 5.0]))
+            with h5py.File(name, "r+") as file:
+                file["state"].attrs["tilt"] = [tilt, 0, 0]
+        name, page = self.make()
+        series, = self.data(page)["series"]
+        self.assertEqual(series["periodic"], [1, 0, 0])
+        # The lower corner and the ways along the three edges.
+        self.assertEqual([frame["box"] for frame in series["frames"]],
+                         [[[-10, -50, -5], [wide, 0, 0], [tilt, 100, 0], [0, 0, 10]]
+                          for wide, tilt in ((300, 0), (400, 120))])
+        self.assertEqual(self.open(name, "frame=1")[0]["frame"], "1")
 
     def test_times_of_curves_are_those_of_the_table(self):
         time = np.array([0.0, 1234567.8])

@@ -59,8 +59,28 @@
         row += length;
       });
       for (let i = 0; i < this.count; i++) if (this.next[i] >= 0) this.before[this.next[i]] = i;
-      const box = [0, 1, 2].map((d) => this.box[1][d] - this.box[0][d]);
-      this.half = box.map((side, d) => (this.box[2][d] ? 0.5 * side : Infinity));
+    }
+
+    // Half of the box of a frame, by which bonds through the boundary are told.
+    half(frame) {
+      const ways = this.frames[frame].box.slice(1);
+      return ways.map((way, d) => (this.periodic[d] ? 0.5 * way[d] : Infinity));
+    }
+
+    // Ends of the edges of a frame's box, about the middle of all frames.
+    edges(frame) {
+      const [corner, ...ways] = this.frames[frame].box, ends = [];
+      for (let d = 0; d < 3; d++) {
+        for (let k = 0; k < 4; k++) {
+          const others = [0, 1, 2].filter((e) => e !== d).filter((_, i) => k >> i & 1);
+          for (const along of [others, [...others, d]]) {
+            for (let c = 0; c < 3; c++) {
+              ends.push(along.reduce((sum, e) => sum + ways[e][c], corner[c]) - this.low[c] - this.span[c] / 2);
+            }
+          }
+        }
+      }
+      return new Float32Array(ends);
     }
 
     // Positions of a frame, about the middle of all frames.
@@ -273,17 +293,17 @@
       return t;
     }
 
-    joined(x, gap) {
-      const s = this.series, joined = new Uint8Array(s.count);
+    joined(frame, x, gap) {
+      const s = this.series, half = s.half(frame), joined = new Uint8Array(s.count);
       for (let i = 0; i < s.count; i++) {
         const j = s.next[i];
-        joined[i] = j >= 0 && !gap[i] && [0, 1, 2].every((c) => Math.abs(x[3 * j + c] - x[3 * i + c]) <= s.half[c]) ? 1 : 0;
+        joined[i] = j >= 0 && !gap[i] && [0, 1, 2].every((c) => Math.abs(x[3 * j + c] - x[3 * i + c]) <= half[c]) ? 1 : 0;
       }
       return joined;
     }
 
     update(frame, colourName) {
-      const s = this.series, x = s.position(frame), gap = s.torn(frame), joined = this.joined(x, gap);
+      const s = this.series, x = s.position(frame), gap = s.torn(frame), joined = this.joined(frame, x, gap);
       const t = this.tangents(x, joined), [colour, key] = colours(s, frame, colourName, x);
       const at = this.tube.geometry.attributes, cap = this.cap.geometry.attributes, marks = colourName === 'broken';
       const tornBefore = (i) => s.before[i] >= 0 && gap[s.before[i]];
@@ -600,11 +620,12 @@
     }
 
     boxLines(s) {
-      if (!s.box[2].some(Boolean)) return null;
-      const side = new THREE.BoxBufferGeometry(...[0, 1, 2].map((d) => s.box[1][d] - s.box[0][d]));
-      const lines = new THREE.LineSegments(new THREE.EdgesGeometry(side),
+      if (!s.periodic.some(Boolean)) return null;
+      const ends = new THREE.BufferGeometry();
+      ends.setAttribute('position', new THREE.BufferAttribute(s.edges(0), 3));
+      const lines = new THREE.LineSegments(ends,
         new THREE.LineBasicMaterial({ color: 0x8a94a0, transparent: true, opacity: 0.45 }));
-      lines.position.set(...[0, 1, 2].map((d) => (s.box[0][d] + s.box[1][d]) / 2 - s.low[d] - s.span[d] / 2));
+      lines.frustumCulled = false;
       return lines;
     }
 
@@ -612,6 +633,11 @@
       const s = this.series;
       state.frame = Math.max(0, Math.min(s.frames.length - 1, Math.round(frame)));
       $('key').innerHTML = this.tubes.update(state.frame, state.colour);
+      if (this.lines) {
+        const ends = this.lines.geometry.attributes.position;
+        ends.array.set(s.edges(state.frame));
+        ends.needsUpdate = true;
+      }
       $('slider').value = String(state.frame);
       const now = s.frames[state.frame];
       $('now').innerHTML = `${now.time}<small>step ${now.step.toLocaleString('en')}</small>`;

@@ -120,6 +120,7 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
     positions: list[Array] = []
     torn: list[Array] = []
     broken: list[int] = []
+    boxes: list[list[list[float]]] = []
     columns: dict[str, list[Array]] = {}
     for frame in chosen.frames:
         with StateFile(frame.file) as file:
@@ -128,6 +129,7 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
                 raise Unusable(f"{frame.file}: other fibres than in {chosen.frames[0].file}")
             positions.append(state.whole[rows].astype(np.float32))
             torn.append(torn_after(state, rows))
+            boxes.append([state.lower.tolist(), *states.lattice(state.box, state.tilt).tolist()])
             broken.append(int((state["bond_broken"] != 0).sum()))
             for name in sorted(set(file.drawable()) & set(WANTED) - SKIPPED):
                 columns.setdefault(name, []).append(file.numbers(name)[rows].astype(np.float32))
@@ -146,9 +148,10 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
         "low": low.tolist(), "span": span.tolist(), "lengthUnit": [unit, size],
         "kinds": list(first.kinds.names), "radii": radii_of(first, radii),
         "kind": encoded(first["kind"][rows].astype(np.uint8)) if several else "",
-        "box": [first.lower.tolist(), first.upper.tolist(), first.periodic.astype(int).tolist()],
+        "periodic": first.periodic.astype(int).tolist(),
         "groups": [int(mask) for mask in masks], "group": encoded(group.astype(np.uint8)),
         "frames": [frame_data(chosen.frames[k], positions[k], torn[k], broken[k], low, span)
+                   | {"box": boxes[k]}  # its lower corner, and the ways along its three edges
                    for k in range(len(chosen.frames))],
         "fields": fields, "note": chosen.note, "curve": curve(series, first.units)}
 
