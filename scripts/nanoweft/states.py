@@ -89,16 +89,37 @@ class State:
     @property
     def whole(self) -> Array:
         """Positions with periodic images undone."""
-        return np.asarray(self["position"] + self["image"] @ lattice(self.box, self.tilt)
-                          if "image" in self else self["position"])
+        return np.asarray(self["position"] + self.images @ lattice(self.box, self.tilt))
+
+    @property
+    def images(self) -> Array:
+        """The file's, or those by which each segment follows on the one before it on its fibre, as
+        the program reads files without."""
+        image = self["image"]
+        if "image" in self or not ({"fibre", "index"} <= self.rows.keys() and self.periodic.any()):
+            return image
+        order = self.in_order()
+        turns = self.turns(np.diff(self["position"][order], axis=0))
+        turns[np.diff(self["fibre"][order]) != 0] = 0
+        total = np.zeros_like(image)
+        total[1:] = -np.cumsum(turns, axis=0)
+        # Each fibre starts in the image of its first segment.
+        first = np.unique(self["fibre"][order], return_index=True, return_inverse=True)
+        image[order] = total - total[first[1]][first[2]]
+        return image
+
+    def turns(self, way: Array) -> Array:
+        """Periods of the box [N,3] in ways between segments, beyond those to the nearest images."""
+        turns = np.zeros(way.shape, int)
+        for k in (2, 1, 0):
+            if self.periodic[k]:
+                turns[:, k] = np.round(way[:, k] / self.box[k])
+                way = way - turns[:, k, None] * lattice(self.box, self.tilt)[k]
+        return turns
 
     def nearest(self, way: Array) -> Array:
         """Ways between segments, to their nearest images."""
-        for k in (2, 1, 0):
-            if self.periodic[k]:
-                turns = np.round(way[:, k] / self.box[k])
-                way = way - turns[:, None] * lattice(self.box, self.tilt)[k]
-        return way
+        return np.asarray(way - self.turns(way) @ lattice(self.box, self.tilt))
 
     @property
     def time_text(self) -> str:

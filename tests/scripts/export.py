@@ -241,6 +241,31 @@ class Export(FolderTest):
         self.assertEqual(lines[4:8], ["ITEM: BOX BOUNDS xy xz yz pp pp ff", "-10 14 4", "0 30 0",
                                       "-5 5 0"])
 
+    def test_without_images_fibres_are_made_whole_along_themselves(self):
+        for tilt in 0.0, 4.0:
+            one = np.array([-8.0, 3, 0]) + np.arange(12)[:, None] * [5, 7, 0.25]
+            whole = np.concatenate([one, one[::-1] * [1, 0.1, 1]])
+            position = np.array(whole)
+            position[:, 0] -= tilt * (whole[:, 1] // 30)
+            position[:, 1] %= 30
+            position[:, 0] = (position[:, 0] + 10) % 20 - 10
+            # A fibre starts in the image of its first segment, here the box itself.
+            whole[12:, 0] -= np.round(whole[12, 0] - position[12, 0])
+            rows = np.random.default_rng(1).permutation(24)
+            write_state(self.path("in.h5"), position[rows], fibre=np.repeat([7, 3], 12)[rows],
+                        index=np.tile(np.arange(12), 2)[rows])
+            with h5py.File(self.path("in.h5"), "r+") as file:
+                file["state"].attrs["tilt"] = [tilt, 0, 0]
+            self.expect_export("in.h5", "-o", "unwrapped.xyz", "--unwrap", "--force")
+            self.expect_export("in.h5", "-o", "in.xyz", "--force")
+            unwrapped, = read_xyz(self.path("unwrapped.xyz"))
+            held, = read_xyz(self.path("in.xyz"))
+            np.testing.assert_allclose(unwrapped["pos"], whole[rows], atol=1e-12)
+            np.testing.assert_array_equal(held["pos"], position[rows])
+            way = np.array([[20, 0, 0], [tilt, 30, 0], [0, 0, 10]])
+            np.testing.assert_allclose(held["pos"] + held["map_shift"] @ way, whole[rows],
+                                       atol=1e-12)
+
     def test_damaged_data_are_refused(self):
         position = np.full((3, 3), 1.2345678)
         write_state(self.path("in.h5"), position)

@@ -171,12 +171,14 @@ class Render(FolderTest):
 
     def test_nothing_is_drawn_through_the_box(self):
         x = straight((5, 0, 0), (1, 0, 0), 20)
-        write_state(self.path("in.h5"), [np.append(x[10:], x[:10], axis=0)],
-                    box=([0, -50, -50], [20 * SPACING, 50, 50]))
-        picture = coloured(self.draw("in.h5", "--size", "600x300", "--radius", "3"))
-        # A bond right across would close the gap between the two pieces.
-        gap = ~picture[:, 280:320].any(axis=0)
-        self.assertTrue(gap.any())
+        for whole, more in (False, {"image": np.zeros((20, 3), int)}), (True, {}):
+            write_state(self.path("in.h5"), [np.append(x[10:], x[:10], axis=0)],
+                        box=([0, -50, -50], [20 * SPACING, 50, 50]), **more)
+            picture = coloured(self.draw("in.h5", "--size", "600x300", "--radius", "3"))
+            # A bond right across would close the gap between the two pieces. Without images the
+            # second goes on where the first ends.
+            gap = ~picture[:, 280:320].any(axis=0)
+            self.assertEqual(gap.any(), not whole)
 
     def three_frames(self):
         names = []
