@@ -522,6 +522,14 @@ class Command(FolderTest):
                 self.assertIn(text, done.stderr.splitlines()[-1])
                 self.assertFalse(os.path.exists(self.path("none")))
 
+    def test_bundles_of_different_radii_need_a_distance(self):
+        state = states.of_kinds(state_of([line((0, 0, 0), (1, 0, 0)), line((0, 40, 0), (1, 0, 0))]),
+                                ("thin", "thick"), (0, 1))
+        with self.assertRaisesRegex(sample.Lacking, "^made: of fibres of different radii; give"
+                                    " --beside$"):
+            measured(state, "bundles", radius=(R, 2 * R))
+        self.assertIn("bundle_mean", measured(state, "bundles", radius=(R, 2 * R), beside=30.0))
+
     def test_a_topic_that_is_asked_for_needs_its_data(self):
         write_state(self.path("good.h5"), [line((0, 0, 0), (1, 0, 0))])
         write_state(self.path("dots.h5"), [line((0, 0, 0), (1, 0, 0), 1)])

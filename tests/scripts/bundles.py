@@ -179,17 +179,22 @@ class Bundles(FolderTest):
     def test_the_distance_follows_the_radius(self):
         state = states.of_fibres([(np.zeros((2, 3)), np.zeros((2, 4)))], (0, 0, 0), (9, 9, 9))
         self.assertEqual(bundles.usual_distance(state), 20)
-        for radii, expected in (((6.78,), 20), ((68.0,), 2 * 68 + 6.44), ((6.78, 68.0), None)):
-            state.kinds = kinds.Kinds(tuple("abc"[:len(radii)]) * (len(radii) > 1), radii)
-            found = bundles.usual_distance(state)
-            self.assertEqual(found and round(found, 9), expected)
+        for radii, expected in ((6.78,), 20), ((68.0,), 2 * 68 + 6.44):
+            state.kinds = kinds.Kinds((), radii)
+            self.assertAlmostEqual(bundles.usual_distance(state), expected, 9)
+        state.kinds = kinds.Kinds(("a", "b"), (6.78, 68.0))
+        with self.assertRaisesRegex(Lacking, "^of fibres of different radii$"):
+            bundles.usual_distance(state)
         # A radius that is given comes before those of the run.
-        for given, expected in (((20.0,), 2 * 20 + 6.44), ((20.0, 20.0), 2 * 20 + 6.44),
-                                ((6.78, 20.0), None)):
-            found = bundles.usual_distance(state, given)
-            self.assertEqual(found and round(found, 9), expected)
+        for given in (20.0,), (20.0, 20.0):
+            self.assertAlmostEqual(bundles.usual_distance(state, given), 2 * 20 + 6.44, 9)
+        with self.assertRaisesRegex(Lacking, "^of fibres of different radii$"):
+            bundles.usual_distance(state, (6.78, 20.0))
         state.units = "si"
-        self.assertIsNone(bundles.usual_distance(state))
+        with self.assertRaisesRegex(Lacking, "^in si units$"):
+            bundles.usual_distance(state, (20.0,))
+        with self.assertRaisesRegex(Lacking, "^in si units and of fibres of different radii$"):
+            bundles.usual_distance(state)
 
     def test_a_given_radius_widens_the_distance(self):
         thick = [tube(*(43.78 * np.array(place))) for place in HEXAGON]
@@ -235,4 +240,5 @@ if __name__ == "__main__":
     sys.path.insert(0, scripts)
     from nanoweft import kinds, states  # noqa: E402
     from nanoweft.analysis import bundles  # noqa: E402
+    from nanoweft.analysis.sample import Lacking  # noqa: E402
     unittest.main(argv=sys.argv[:1])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..generators import LENGTH
 from ..problems import Unusable
 from ..states import State, find_tubes
+from .sample import Lacking
 
 Array = NDArray[Any]
 
@@ -28,13 +29,15 @@ def named(low: int, high: int | None) -> str:
     return f"{low}" if low == high else f"over {low - 1}" if high is None else f"{low}-{high}"
 
 
-def usual_distance(state: State, given: Sequence[float] = ()) -> float | None:
+def usual_distance(state: State, given: Sequence[float] = ()) -> float:
     """Distance between axes up to which fibres run side by side: 20 A for (10,10) tubes, which
     fibres count as where nothing tells their radius, and as large a gap for others of one radius,
-    one `given` or the run's; None where there is no telling."""
+    one `given` or the run's. Lacking says why there is no telling."""
     radii = set(state.kinds.thickness(given, LENGTH / 2).tolist())
-    if state.units != "nano" or len(radii) > 1:
-        return None
+    reasons = ([f"in {state.units} units"] * (state.units != "nano")
+               + ["of fibres of different radii"] * (len(radii) > 1))
+    if reasons:
+        raise Lacking(" and ".join(reasons))
     return float(2 * radii.pop() + 20 - LENGTH)
 
 

@@ -30,10 +30,11 @@ NEEDED = ("position", "orientation", "fibre", "index", "image", "bond_broken", "
 def bundles(sample: Sample) -> Findings:
     """As scripts/bundles counts them."""
     found = Findings(trends=("bundle_mean", "bundle_max"))
-    beside = sample.settings.beside or usual_distance(sample.state, sample.settings.radius)
-    if not beside:
-        raise Lacking(f"{sample.name}: in {sample.state.units} units or of fibres of different"
-                      " radii; give --beside")
+    beside = sample.settings.beside
+    try:
+        beside = beside or usual_distance(sample.state, sample.settings.radius)
+    except Lacking as reason:
+        raise Lacking(f"{sample.name}: {reason}; give --beside")
     try:
         fabric = Fabric(sample.state, beside, sample.settings.length)
     except Unusable as error:
