@@ -8,6 +8,7 @@
 /// and a piece of the crowd a segment.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/pieces.hpp"
@@ -102,6 +103,7 @@ class Film {
     if (!line && beside) line = layBeside(f, kind, segments, f / layers_);
     if (!line) return false;
     if (layers_ == 0) deposit(*line, f, kind);
+    for (const Vec3d& x : line->points) heights_[kind].add(x.z);
     lines_.push_back(std::move(*line));
     return true;
   }
@@ -114,11 +116,22 @@ class Film {
     return {walk(through(points, T), T, static_cast<int>(points.size()))};
   }
 
+  /// Of the highest axis.
   double top() const {
     double top = 0;
-    for (const Line& line : lines_)
-      for (const Vec3d& x : line.points) top = std::max(top, x.z);
+    for (const auto& [kind, heights] : heights_) top = std::max(top, heights.most);
     return top;
+  }
+
+  /// Between the outermost surfaces, heights stretched by `factor`.
+  double thickness(double factor) const {
+    Range surfaces;
+    for (const auto& [kind, heights] : heights_) {
+      const double radius = mix_.all()[kind].radius;
+      surfaces.add(factor * heights.least - radius);
+      surfaces.add(factor * heights.most + radius);
+    }
+    return surfaces.width();
   }
 
  private:
@@ -212,8 +225,9 @@ class Film {
   double pile_;  ///< height of a layer
   const KindMix& mix_;
   std::uint64_t seed_;
-  Crowd crowd_;              ///< in layers, or where all is seen from above
-  std::vector<Line> lines_;  ///< a segment length apart in the plane
+  Crowd crowd_;                   ///< in layers, or where all is seen from above
+  std::vector<Line> lines_;       ///< a segment length apart in the plane
+  std::map<int, Range> heights_;  ///< of the axes of each kind
 };
 
 FilmOptions readFilm(OptionSection& s, const SceneContext& context) {
@@ -231,9 +245,8 @@ FilmOptions readFilm(OptionSection& s, const SceneContext& context) {
              "area of all fibres, seen from above one by one, over that of the film", positive);
   if (p.fibres && s.given("film_coverage"))
     throw InputError("-film_fibres and -film_coverage: give one of them");
-  p.fraction =
-      s.maybeReal("film_fraction", "as laid", "",
-                  "volume fraction, from the ground to the highest fibre", {0.0, 1.0, true});
+  p.fraction = s.maybeReal("film_fraction", "as laid", "",
+                           "volume fraction, between the outermost surfaces", {0.0, 1.0, true});
   p.segments = static_cast<int>(
       s.integer("film_segments", 50, "segments of each fibre of the first kind; others are as long",
                 3, 1000000));
@@ -260,17 +273,23 @@ FilmOptions readFilm(OptionSection& s, const SceneContext& context) {
 }
 
 /// By how much heights are stretched so that `volume` fills the wanted fraction.
-double stretchFor(const FilmOptions& p, double volume, double top, double thickness) {
+double stretchFor(const FilmOptions& p, double volume, const Film& film) {
   if (!p.fraction) return 1.0;
   const double area = p.size[0] * p.size[1], wanted = volume / (area * *p.fraction);
-  const double factor = top > 0 ? (wanted - thickness) / top : 0.0;
-  if (factor < 1.0)
+  if (film.top() == 0 || film.thickness(1.0) > wanted)
     throw InputError(
         format("-film_fraction %g: as laid the film fills a fraction of %.4g; flat layers "
                "(-film_layers), fewer of them, -film_bundle or a steeper -film_slope make it "
                "denser",
-               *p.fraction, volume / (area * (top + thickness))));
-  return factor;
+               *p.fraction, volume / (area * film.thickness(1.0))));
+  // The fibres that lie outermost may be others once they are stretched.
+  double low = 1, high = 1;
+  while (film.thickness(high) < wanted) high *= 2;
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (film.thickness(middle) < wanted ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
 }
 
 }  // namespace
@@ -303,17 +322,16 @@ std::unique_ptr<Scene> makeFilmScene(Options& options, const SceneContext& conte
               : "it met itself, for which the film is too small"));
   Laying laying{"film", mix, fibres};
   laying.segments = [=](std::int64_t f) { return mix->segments(f, p.segments); };
-  const double volume = volumeOf(laying), top = film->top(), thickness = mix->thickest(),
-               factor = stretchFor(p, volume, top, thickness), height = factor * top + thickness,
+  const double factor = stretchFor(p, volumeOf(laying), *film), thickness = film->thickness(factor),
                margin = 4.0 * context.kinds.longest();
   laying.line = [=](std::int64_t f) { return film->laid(f, factor); };
   if (p.periodic) {
-    box.lower[2] = -margin, box.upper[2] = factor * top + margin;
+    box.lower[2] = -margin, box.upper[2] = factor * film->top() + margin;
     laying.box = box;
   }
-  laying.space = area * height;
+  laying.space = area * thickness;
   laying.also = format("coverage %.4g, thickness %.5g %s",
-                       static_cast<double>(fibres) * mix->shadow(p.segments) / area, height,
+                       static_cast<double>(fibres) * mix->shadow(p.segments) / area, thickness,
                        context.units.length);
   return layScene(context, std::move(laying));
 }

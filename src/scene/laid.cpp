@@ -77,12 +77,6 @@ double KindMix::widest() const {
   return widest;
 }
 
-double KindMix::thickest() const {
-  double radius = 0;
-  for (const int k : kinds_) radius = std::max(radius, all_[k].radius);
-  return 2.0 * radius;
-}
-
 int KindMix::segments(std::int64_t number, int ofFirst) const {
   const Fibre& own = fibre(number);
   const auto count = static_cast<int>(std::lround(length(ofFirst) / own.length));

@@ -242,6 +242,13 @@ TEST(Scenes, AFilmFillsTheFractionAskedFor) {
   EXPECT_NEAR(volume / (500.0 * 500.0 * (top + 2.0 * radius)), 0.1, 0.002);
 }
 
+/// The number of the header that this expression finds.
+double numberIn(const std::string& output, const std::string& expression) {
+  std::smatch found;
+  EXPECT_TRUE(std::regex_search(output, found, std::regex(expression))) << output;
+  return std::stod(found[1]);
+}
+
 /// A scene of (10,10) tubes, the volume fraction that the header says, and what else it says.
 struct Stated {
   std::string output;
@@ -263,12 +270,7 @@ struct Stated {
     for (const Vec3d& x : laid.x) found = {std::min(found[0], of(x)), std::max(found[1], of(x))};
     return found;
   }
-  /// The number of the header that this expression finds.
-  double number(const std::string& expression) const {
-    std::smatch found;
-    EXPECT_TRUE(std::regex_search(output, found, std::regex(expression))) << output;
-    return std::stod(found[1]);
-  }
+  double number(const std::string& expression) const { return numberIn(output, expression); }
   double span(double Vec3d::*along) const {
     const auto [least, most] = range([=](const Vec3d& x) { return x.*along; });
     return most - least;
@@ -304,6 +306,36 @@ TEST(Scenes, AFilmIsAsThickAsTheFibresThatAreInIt) {
     said.push_back(outcome.output.substr(at, outcome.output.find('\n', at) - at));
   }
   EXPECT_EQ(said[0], said[1]);
+}
+
+TEST(Scenes, AFilmOfTwoKindsIsAsThickAsItsOutermostSurfacesLieApart) {
+  // The thick ones lie low. b: radius 60, segments of 120.
+  const double radii[2] = {radius, 60}, lengths[2] = {T, 120};
+  for (const char* wanted : {"", " -film_fraction 0.006"}) {
+    const Folder folder;
+    const Outcome outcome =
+        run(folder, std::string("-scene film -film_size 2500,2500 -film_fibres 40 "
+                                "-film_segments 60 -kinds a,b -b_fibre_preset mwcnt_60_20 "
+                                "-film_kinds a,b -film_shares 0.95,0.05 -ts_max_steps 0 "
+                                "-state_output s.h5") +
+                        wanted);
+    expectDone(outcome);
+    const auto x = readVectors(folder / "s.h5", "state/position");
+    const auto kind = readDataset(folder / "s.h5", "state/kind");
+    double low = 1e9, high = -1e9, volume = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const auto own = static_cast<std::size_t>(kind[k]);
+      low = std::min(low, x[k].z - radii[own]), high = std::max(high, x[k].z + radii[own]);
+      volume += std::numbers::pi * radii[own] * radii[own] * lengths[own];
+    }
+    EXPECT_NEAR(numberIn(outcome.output, "thickness ([.0-9]+)") / (high - low), 1, 0.005) << wanted;
+    const double fraction = volume / (2500.0 * 2500.0 * (high - low));
+    EXPECT_NEAR(fraction / numberIn(outcome.output, "volume fraction ([-.e0-9]+)"), 1, 0.005)
+        << wanted;
+    if (*wanted != 0) {
+      EXPECT_NEAR(fraction, 0.006, 3e-5);
+    }
+  }
 }
 
 TEST(Scenes, SpringsAndHollowBraidsFillAFractionOfATube) {

@@ -41,8 +41,7 @@ class KindMix {
   const Kinds& all() const { return all_; }
 
   double gap(int a, int b) const { return gaps_[static_cast<std::size_t>(a * all_.count() + b)]; }
-  double widest() const;    ///< gap of two of the kinds that it mixes
-  double thickest() const;  ///< diameter of the thickest of them
+  double widest() const;  ///< gap of two of the kinds that it mixes
 
   /// Segments of a fibre that is as long as so many segments of the first kind.
   int segments(std::int64_t fibre, int ofFirst) const;
