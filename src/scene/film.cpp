@@ -64,6 +64,28 @@ Curve through(const std::vector<Vec3d>& points, double step) {
   };
 }
 
+/// Directions of segments laid along a line: those in which its places were grown, tilted as the
+/// laid segments rise. Down slopes these are nearer to each other in the plane than its places, so
+/// each has the direction of the place nearest to it; one between those of two would bend less.
+std::vector<Vec3d> tilted(const std::vector<Vec3d>& laid, const Line& grown) {
+  std::vector<Vec3d> axes = directionsOf({laid});
+  const auto n = static_cast<int>(laid.size());
+  for (const int way : {1, -1}) {
+    // The middle ones lie where they were grown.
+    int place = n / 2;
+    for (int k = place; k >= 0 && k < n; k += way) {
+      const auto at = static_cast<std::size_t>(k);
+      auto from = [&](int p) { return norm(grown.points[static_cast<std::size_t>(p)] - laid[at]); };
+      if (const int next = place + way; next >= 0 && next < n && from(next) < from(place))
+        place = next;
+      const double rise = axes[at].z;
+      axes[at] = std::sqrt(1.0 - rise * rise) * grown.axes[static_cast<std::size_t>(place)] +
+                 Vec3d{0, 0, rise};
+    }
+  }
+  return axes;
+}
+
 struct FilmOptions {
   std::array<double, 2> size{};
   std::optional<long> fibres;
@@ -110,10 +132,13 @@ class Film {
 
   /// The fibre with its bonds as long as they are at rest, its heights stretched by `factor`.
   Line laid(std::int64_t f, double factor) const {
-    std::vector<Vec3d> points = lines_[static_cast<std::size_t>(f)].points;
-    for (Vec3d& x : points) x.z *= factor;
+    Line line = lines_[static_cast<std::size_t>(f)];
+    for (Vec3d& x : line.points) x.z *= factor;
+    if (layers_ > 0) return line;
     const double T = mix_.fibre(f).length;
-    return {walk(through(points, T), T, static_cast<int>(points.size()))};
+    auto points = walk(through(line.points, T), T, static_cast<int>(line.points.size()));
+    std::vector<Vec3d> axes = tilted(points, line);
+    return {std::move(points), false, {}, std::move(axes)};
   }
 
   /// Of the highest axis.

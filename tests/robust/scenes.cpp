@@ -623,6 +623,29 @@ TEST(Scenes, WormsHaveThePersistenceLengthThatIsAskedFor) {
   }
 }
 
+TEST(Scenes, SegmentsOfAFilmTurnByTheirPersistenceLengthFromOneToTheNext) {
+  // Deposited fibres are laid along what was grown, those in layers as they were grown.
+  for (const char* options : {"", " -film_fraction 0.001", " -film_layers 10"}) {
+    const Folder folder;
+    expectDone(run(folder, std::string("-scene film -film_size 30000,30000 -film_fibres 400 "
+                                       "-film_segments 100 -film_persistence 400 -pair none "
+                                       "-ts_max_steps 0 -state_output s.h5") +
+                               options));
+    const Laid s = read(folder / "s.h5", {});
+    for (const std::size_t apart : {1, 2, 5}) {
+      double sum = 0, count = 0;
+      for (std::size_t k = 0; k + apart < s.axis.size(); ++k) {
+        if (s.fibre[k] != s.fibre[k + apart]) continue;
+        const Vec3d &a = s.axis[k], &b = s.axis[k + apart];
+        sum += (a.x * b.x + a.y * b.y) / std::hypot(a.x, a.y) / std::hypot(b.x, b.y);
+        count += 1;
+      }
+      const double found = -0.5 * static_cast<double>(apart) * T / std::log(sum / count);
+      EXPECT_NEAR(found / 400, 1, 0.05) << options << apart;
+    }
+  }
+}
+
 TEST(Scenes, AKnitThatIsClosedFitsItsSegmentsToItsChords) {
   const Folder folder;
   for (const char* loops : {"2", "8", "40"}) {
