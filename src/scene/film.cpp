@@ -141,6 +141,9 @@ class Film {
     return {std::move(points), false, {}, std::move(axes)};
   }
 
+  /// As they were grown.
+  const std::vector<Line>& lines() const { return lines_; }
+
   /// Of the highest axis.
   double top() const {
     double top = 0;
@@ -358,6 +361,8 @@ std::unique_ptr<Scene> makeFilmScene(Options& options, const SceneContext& conte
   laying.also = format("coverage %.4g, thickness %.5g %s",
                        static_cast<double>(fibres) * mix->shadow(p.segments) / area, thickness,
                        context.units.length);
+  laying.warning =
+      persistenceWarning("film", film->lines(), *mix, p.persistence, context.units.length);
   return layScene(context, std::move(laying));
 }
 

@@ -70,6 +70,7 @@ std::unique_ptr<Scene> makeNetworkScene(Options& options, const SceneContext& co
   laying.line = [=](std::int64_t f) { return (*lines)[static_cast<std::size_t>(f)]; };
   laying.box = box;
   laying.space = space;
+  laying.warning = persistenceWarning("network", *lines, *mix, persistence, unit);
   return layScene(context, std::move(laying));
 }
 

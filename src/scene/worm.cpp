@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "nanoweft/base/error.hpp"
@@ -15,8 +16,12 @@ constexpr double mostBend = 0.6;
 /// Over a segment: the least that bends up to mostBend can give is 11.1 in space, 8.3 in the plane.
 constexpr double leastPersistence = 12;
 
-/// Times that a bond is turned anew before the fibre loses segments, and that it loses some before
-/// it is begun anew.
+/// Trials in which a worm-like fibre that meets another is begun anew: to bend it around the other
+/// makes it more flexible.
+constexpr int firmTrials = 100;
+
+/// After these, times that a bond is turned anew before the fibre loses segments, and that it loses
+/// some before it is begun anew.
 constexpr int turnTrials = 12, lossTrials = 40;
 
 /// The random numbers of one trial, one after another.
@@ -67,11 +72,12 @@ Vec3d firstDirection(Lots& lots, bool flat) {
 class Growth {
  public:
   Growth(Crowd& crowd, const Worm& worm, Lots& lots,
-         const std::function<bool(const LaidPiece&)>& taken)
+         const std::function<bool(const LaidPiece&)>& taken, bool yields)
       : crowd_(crowd),
         worm_(worm),
         lots_(lots),
         taken_(taken),
+        yields_(yields),
         before_(crowd.size()),
         spread_(worm.persistence > 0 ? spreadOf(worm.length / worm.persistence, flat()) : 0.0) {}
 
@@ -80,7 +86,7 @@ class Growth {
     if (!place(start, direction)) return false;
     for (int losses = 0; size() < worm_.segments;) {
       if (extend()) continue;
-      if (worm_.persistence == 0 || ++losses > lossTrials) return false;
+      if (!yields_ || ++losses > lossTrials) return false;
       lose(1 + losses % 10);
     }
     return true;
@@ -103,7 +109,7 @@ class Growth {
   bool extend() {
     const Vec3d e = directions_.back(), x = points_.back();
     if (worm_.persistence == 0) return place(x + worm_.length * e, e);
-    for (int turn = 0; turn < turnTrials; ++turn) {
+    for (int turn = 0; turn < (yields_ ? turnTrials : 1); ++turn) {
       const Vec3d next = turned(e);
       // The chord between two segments halves the angle between their axes.
       if (place(x + worm_.length * unitVector(e + next), next)) return true;
@@ -139,6 +145,7 @@ class Growth {
   const Worm& worm_;
   Lots& lots_;
   const std::function<bool(const LaidPiece&)>& taken_;
+  bool yields_;         ///< to what it meets, by bends
   std::size_t before_;  ///< pieces of the crowd that are others'
   double spread_;       ///< of a turn
   std::vector<Vec3d> points_, directions_;
@@ -155,7 +162,7 @@ std::optional<Line> growWorm(Crowd& crowd, const Box& box, const Worm& worm,
     const Vec3d x{box.lower[0] + a * box.length(0), box.lower[1] + b * box.length(1),
                   worm.height ? *worm.height : box.lower[2] + lots.uniform()[0] * box.length(2)};
     const Vec3d e = firstDirection(lots, worm.height.has_value());
-    Growth growth(crowd, worm, lots, taken);
+    Growth growth(crowd, worm, lots, taken, worm.persistence > 0 && trial >= firmTrials);
     if (growth.grow(x, e)) return growth.line();
     crowd.shrink(before);
   }
@@ -177,6 +184,46 @@ double readPersistence(OptionSection& section, const std::string& scene,
                "sharply",
                option.c_str(), persistence, context.kinds.longest(), context.units.length));
   return persistence;
+}
+
+std::string persistenceWarning(const std::string& scene, const std::vector<Line>& lines,
+                               const KindMix& mix, double persistence, const char* unit) {
+  constexpr int fewStretches = 20;  // from which nothing can be told
+  // Over half a persistence length, or as much of it as fibres have.
+  struct Stretches {
+    double length, sum = 0, squares = 0, count = 0;
+  };
+  std::map<int, Stretches> ofKind;
+  bool flat = true;
+  for (std::size_t f = 0; persistence > 0 && f < lines.size(); ++f) {
+    const std::vector<Vec3d>& axes = lines[f].axes;
+    const int kind = mix.of(static_cast<std::int64_t>(f));
+    const double T = mix.all()[kind].length;
+    const std::size_t apart = static_cast<std::size_t>(std::clamp<std::int64_t>(
+        std::llround(0.5 * persistence / T), 1, static_cast<std::int64_t>(axes.size()) - 1));
+    Stretches& own = ofKind.try_emplace(kind, static_cast<double>(apart) * T).first->second;
+    for (std::size_t k = 0; k + apart < axes.size(); k += apart) {
+      const double cosine = dot(axes[k], axes[k + apart]);
+      own.sum += cosine, own.squares += cosine * cosine, own.count += 1;
+      flat = flat && axes[k].z == 0;
+    }
+  }
+  std::string warning;
+  for (const auto& [kind, s] : ofKind) {
+    const double decay = (flat ? 0.5 : 1.0) * s.length, asked = std::exp(-decay / persistence),
+                 mean = s.sum / s.count, found = -decay / std::log(std::max(mean, 1e-3)),
+                 doubt = std::sqrt(std::max(0.0, s.squares / s.count - mean * mean) / s.count);
+    if (s.count < fewStretches || std::abs(found / persistence - 1.0) < 0.1 ||
+        std::abs(mean - asked) < 3.0 * doubt)
+      continue;
+    warning += format("%s %.3g %s%s", warning.empty() ? "" : ",", found, unit,
+                      mix.all().count() > 1 ? (" (" + mix.all()[kind].kind + ")").c_str() : "");
+  }
+  if (warning.empty()) return {};
+  return format(
+      "-%s_persistence %g: as laid it is%s, since fibres that meet others are bent around them, "
+      "less so in a looser %s",
+      scene.c_str(), persistence, warning.c_str(), scene.c_str());
 }
 
 }  // namespace nanoweft

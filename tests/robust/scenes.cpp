@@ -646,6 +646,31 @@ TEST(Scenes, SegmentsOfAFilmTurnByTheirPersistenceLengthFromOneToTheNext) {
   }
 }
 
+TEST(Scenes, WormsThatAreBentAroundOthersAreWarnedOf) {
+  const std::string film =
+      "-scene film -film_size 1000,1000 -film_persistence 500 -film_coverage 2 -pair none "
+      "-ts_max_steps 0 -overwrite -state_output s.h5 ";
+  const Folder folder;
+  const Outcome loose = run(folder, film + "-film_layers 500");
+  expectDone(loose);
+  EXPECT_FALSE(says(loose, "as laid it is")) << loose.output;
+  const std::string words = "-film_persistence 500: as laid it is ";
+  const Outcome dense = run(folder, film + "-film_layers 10");
+  expectDone(dense);
+  ASSERT_TRUE(says(dense, words)) << dense.output;
+  const double found = numberIn(dense.output, words + "([.0-9]+) A");
+  const Laid s = read(folder / "s.h5", {});
+  constexpr std::size_t apart = 18;
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k + apart < s.axis.size(); ++k)
+    if (s.fibre[k] == s.fibre[k + apart]) sum += dot(s.axis[k], s.axis[k + apart]), count += 1;
+  EXPECT_NEAR(found / (-0.5 * apart * T / std::log(sum / count)), 1, 0.15);
+  // 0.4 where bonds are turned as soon as fibres meet.
+  EXPECT_GT(found / 500, 0.55);
+  const Outcome three = run(folder, film + "-film_layers 10", 3);
+  EXPECT_EQ(numberIn(three.output, words + "([.0-9]+) A"), found);
+}
+
 TEST(Scenes, AKnitThatIsClosedFitsItsSegmentsToItsChords) {
   const Folder folder;
   for (const char* loops : {"2", "8", "40"}) {
