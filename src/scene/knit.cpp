@@ -74,21 +74,42 @@ struct Knit {
   }
 };
 
-/// Makes it as deep as strands need, looking at two loops of three courses.
+/// Makes it as deep as strands need, and these as wide as their fibres do, looking at two loops of
+/// three courses.
 void deepen(Knit& knit, double chord, const char* unit) {
   const std::string option = format("-knit_width %g", knit.width);
   const int points = pointsToLookAt(2.0 * knit.loopLength(), chord, 3.0 * knit.filaments, option);
-  auto three = [&](double scale) {
-    knit.depth = 0.5 * scale * knit.thick;
+  auto lay = [&](std::int64_t fibres) {
     std::vector<Line> lines;
-    for (std::int64_t f = 0; f < 3 * knit.filaments; ++f)
+    for (std::int64_t f = 0; f < fibres; ++f)
       lines.push_back({walk(knit.fibre(f, 0.0), chord, points)});
     return lines;
   };
-  scaleToFit(three, {knit.gap, knit.filaments}, option);
-  if (knit.depth > 1.2 * deepest * knit.width)
-    throw InputError(
+  auto three = [&](double scale) {
+    knit.depth = 0.5 * scale * knit.thick;
+    return lay(3 * knit.filaments);
+  };
+  auto tooNarrow = [&] {
+    return InputError(
         format("%s: too narrow for strands of %.4g %s", option.c_str(), knit.thick, unit));
+  };
+  // Where a strand bends and rises at once its fibres wind around it, nearer to each other than
+  // their places; the more so, the deeper it is.
+  auto apart = [&] { return knit.filaments > 1 ? tightest(lay(knit.filaments), {knit.gap}) : 1.0; };
+  knit.depth = 0.6 * knit.thick;  // about what most need
+  do {
+    const std::vector<Place> places = knit.places;
+    double scale = 1;
+    for (double found = apart(); found < 1.0; found = apart()) {
+      scale *= std::max(1.002, 1.0 / found);
+      if (scale > 1.5) throw tooNarrow();
+      for (std::size_t k = 0; k < places.size(); ++k)
+        knit.places[k] = {scale * places[k][0], scale * places[k][1]};
+    }
+    knit.thick = knit.gap * widthOf(knit.places);
+    scaleToFit(three, {knit.gap, knit.filaments}, option);
+    if (knit.depth > 1.2 * deepest * knit.width) throw tooNarrow();
+  } while (apart() < 0.998);
 }
 
 Box periodicBox(const Knit& knit, double margin) {

@@ -403,6 +403,16 @@ TEST(Scenes, StrandsOfThreeFibresReachAsFarAsTheirAxes) {
   EXPECT_NEAR(knit.volume / space / knit.fraction, 1, 0.002);
 }
 
+TEST(Scenes, FibresOfAKnitStrandKeepApart) {
+  for (const char* strand : {"2", "3", "7", "3 -knit_width 170"}) {
+    const Stated knit(std::string("-scene knit -knit_loops 2 -knit_courses 2 -knit_filaments ") +
+                      strand);
+    EXPECT_GE(leastDistance(knit.laid), 0.99 * rest) << strand;
+    EXPECT_NEAR(knit.number("thickness ([.0-9]+)") / (knit.span(&Vec3d::z) + rest), 1, 0.006)
+        << strand;
+  }
+}
+
 TEST(Scenes, ARacketFillsAFractionOfThePlateWithinItsOutline) {
   const Stated racket("-scene racket -racket_segments 200");
   const auto& x = racket.laid.x;
