@@ -59,15 +59,30 @@ void KindMix::draw(std::int64_t fibres) {
   for (std::int64_t f = 0; f < fibres; ++f)
     lots.emplace_back(uniformPair(seed_, Purpose::sceneKind, f, 0)[0], f);
   std::ranges::sort(lots);
-  ofFibre_.assign(lots.size(), kinds_.back());
-  double until = 0;
   std::size_t k = 0;
-  for (std::size_t i = 0; i + 1 < kinds_.size(); ++i) {
-    until += share(i);
-    for (; static_cast<double>(k) + 0.5 < until * static_cast<double>(fibres) && k < lots.size();
-         ++k)
-      ofFibre_[static_cast<std::size_t>(lots[k].second)] = kinds_[i];
+  ofFibre_.resize(lots.size());
+  const std::vector<std::int64_t> counts = countsOf(fibres);
+  for (std::size_t i = 0; i < kinds_.size(); ++i)
+    for (std::int64_t n = 0; n < counts[i]; ++n)
+      ofFibre_[static_cast<std::size_t>(lots[k++].second)] = kinds_[i];
+}
+
+std::vector<std::int64_t> KindMix::countsOf(std::int64_t fibres) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < kinds_.size(); ++i) sum += share(i);
+  std::vector<std::int64_t> counts;
+  std::vector<std::pair<double, std::size_t>> rests;
+  std::int64_t left = fibres;
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    const double due = share(i) / sum * static_cast<double>(fibres);
+    counts.push_back(static_cast<std::int64_t>(std::floor(due)));
+    rests.emplace_back(due - static_cast<double>(counts[i]), i);
+    left -= counts[i];
   }
+  // What is left goes to the largest remainders.
+  std::ranges::sort(rests, std::ranges::greater());
+  for (std::size_t i = 0; left > 0; ++i, --left) ++counts[rests[i].second];
+  return counts;
 }
 
 double KindMix::widest() const {

@@ -464,19 +464,26 @@ TEST(Scenes, AnOpenRingHasItsEndsApartAndItsWindingsSideBySide) {
 }
 
 TEST(Scenes, KindsHaveTheirSharesOfTheFibres) {
-  const Folder folder;
-  expectDone(run(folder,
-                 "-kinds a,b -b_fibre_preset mwcnt_20_10 -scene bundle -bundle_fibres 20 "
-                 "-bundle_segments 30 -bundle_kinds a,b -bundle_shares 0.7,0.3 -ts_max_steps 0 "
-                 "-state_output out.h5",
-                 3));
-  const auto kind = readDataset(folder / "out.h5", "state/kind");
-  const auto index = readDataset(folder / "out.h5", "state/index");
-  int count[2] = {0, 0};
-  for (std::size_t k = 0; k < kind.size(); ++k)
-    if (index[k] == 0) ++count[static_cast<std::size_t>(kind[k])];
-  EXPECT_EQ(count[0], 14);
-  EXPECT_EQ(count[1], 6);
+  using Counts = std::array<int, 3>;
+  for (const auto& [fibres, kinds, shares, expected] :
+       {std::tuple{"20", "a,b", "0.7,0.3", Counts{14, 6, 0}},
+        // 28.5, 17.1, 11.4
+        std::tuple{"57", "a,b,c", "0.5,0.3,0.2", Counts{29, 17, 11}},
+        std::tuple{"10", "a,b,c", "0.25,0.25,0.5", Counts{2, 3, 5}}}) {
+    const Folder folder;
+    expectDone(run(folder,
+                   std::string("-b_fibre_preset mwcnt_20_10 -scene bundle -bundle_segments 30 "
+                               "-ts_max_steps 0 -state_output out.h5 -bundle_fibres ") +
+                       fibres + " -kinds " + kinds + " -bundle_kinds " + kinds +
+                       " -bundle_shares " + shares,
+                   3));
+    const auto kind = readDataset(folder / "out.h5", "state/kind");
+    const auto index = readDataset(folder / "out.h5", "state/index");
+    Counts count{};
+    for (std::size_t k = 0; k < kind.size(); ++k)
+      if (index[k] == 0) ++count[static_cast<std::size_t>(kind[k])];
+    EXPECT_EQ(count, expected) << fibres;
+  }
 }
 
 TEST(Scenes, AnotherSeedLaysOtherFibres) {

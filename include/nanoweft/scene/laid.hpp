@@ -52,6 +52,9 @@ class KindMix {
   double length(int ofFirst) const { return ofFirst * all_[kinds_[0]].length; }
 
  private:
+  /// How many of so many fibres each kind has: its share, rounded down, and one more of those with
+  /// the largest remainders.
+  std::vector<std::int64_t> countsOf(std::int64_t fibres) const;
   void readShares(OptionSection& section, const std::string& scene);
   explicit KindMix(const SceneContext& context) : all_(context.kinds), seed_(context.seed) {}
   double share(std::size_t kind) const {
