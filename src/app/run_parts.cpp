@@ -112,7 +112,7 @@ RunParts::RunParts(std::unique_ptr<RunPlan> thePlan, Team theTeam)
     if (deep) refuseLargeSums();
   }
   if (!plan->checkpoint && plan->kinds.several()) lookAtKinds();
-  if (plan->boxDrive) lookAtGroups();
+  lookAtGroups();
   if (state->linked) refuseLinksOfHalfTheBox();
   if (!plan->checkpoint && state->linked) lookAtLinks();
   if (!plan->checkpoint && forces->walls() && !evaluatesOnly() && !plan->settings.startUnchecked)
@@ -359,6 +359,7 @@ void RunParts::lookAtGroups() {
             format("%s is held along %c against the box, which carries all segments that way as it "
                    "is driven",
                    b.name.c_str(), "xyz"[d]));
+  for (std::string& lost : plan->boundaries.lostLoads(*state)) warnings.push_back(std::move(lost));
 }
 
 void RunParts::lookAtLinks() {

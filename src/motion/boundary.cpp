@@ -51,6 +51,14 @@ bool holds(const Boundary& b, std::size_t c) {
   return c < 3 ? b.fix[c] : b.fixRotation;
 }
 
+/// Does `holder` hold a component in which the other one loads?
+bool meets(const Boundary& load, const Boundary& holder) {
+  const double force[3] = {load.force.x, load.force.y, load.force.z};
+  for (std::size_t c = 0; c < 3; ++c)
+    if (force[c] != 0 && holder.fix[c]) return true;
+  return holder.fixRotation && norm(load.torque) > 0;
+}
+
 std::string titleOf(const Boundary& b) {
   if (b.bit == leftGripBit) return "the lower grip of the tension test";
   return b.bit == rightGripBit ? "the upper grip of the tension test" : b.name;
@@ -294,6 +302,35 @@ void Boundaries::refuseConflicts(const State& state) const {
             titleOf(*a).c_str(), titleOf(*b).c_str(), what.c_str(), static_cast<long long>(shared),
             shared > 1 ? "s" : ""));
       }
+}
+
+std::int32_t Boundaries::holders(std::size_t c) const {
+  std::int32_t bits = 0;
+  for (const Boundary& b : boundaries_)
+    if (holds(b, c)) bits |= 1 << b.bit;
+  return bits;
+}
+
+std::vector<std::string> Boundaries::lostLoads(const State& state) const {
+  std::vector<std::string> lost;
+  for (const Boundary& b : boundaries_)
+    for (const Boundary& other : boundaries_) {
+      if (!meets(b, other)) continue;
+      std::int64_t counts[2] = {0, 0};
+      for (int i = 0; i < state.owned(); ++i)
+        if (state.group[i] >> b.bit & 1) {
+          ++counts[0];
+          counts[1] += state.group[i] >> other.bit & 1;
+        }
+      MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, state.comm());
+      if (counts[1] == 0) continue;
+      lost.push_back(format(
+          "of the %lld segments that %s loads, %s holds %lld against the load, which does nothing "
+          "there",
+          static_cast<long long>(counts[0]), b.name.c_str(), titleOf(other).c_str(),
+          static_cast<long long>(counts[1])));
+    }
+  return lost;
 }
 
 void Boundaries::save(RunRecord& record, double time) const {

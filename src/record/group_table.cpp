@@ -76,26 +76,29 @@ struct Wrench {
   Vec3d force, torque;
 };
 
-/// What a group does to its member i.
-Wrench wrenchOn(const State& state, const Boundary& group, int i) {
+/// What the group does to its member i.
+Wrench wrenchOn(const State& state, const Boundaries& all, const Boundary& group, int i) {
   const double f = group.factor(state.time);
   const double load[6] = {group.force.x,  group.force.y,  group.force.z,
                           group.torque.x, group.torque.y, group.torque.z};
-  double all[6];
+  double own[6];
   for (int c = 0; c < 6; ++c) {
     const double fibres =
         (c < 3 ? state.force[3 * i + c] : state.torque[3 * i + c - 3]) + state.viscousOn(i, c);
     const bool held = c < 3 ? group.fix[static_cast<std::size_t>(c)] : group.fixRotation;
-    all[c] = held ? -fibres : f * load[c];
+    const bool lost = state.group[i] & all.holders(static_cast<std::size_t>(c));
+    own[c] = held ? -fibres : lost ? 0.0 : f * load[c];
   }
-  return {{all[0], all[1], all[2]}, {all[3], all[4], all[5]}};
+  return {{own[0], own[1], own[2]}, {own[3], own[4], own[5]}};
 }
 
-Wrench wrenchOn(const State& state, const Kinds& kinds, const Boundary& group, const Vec3d& about) {
+Wrench wrenchOn(const System& system, const Boundary& group, const Vec3d& about) {
+  const State& state = system.state;
+  const Kinds& kinds = system.forces.kinds();
   const double force = kinds.forceScale();
   VectorSum forces(force), torques(force * std::max(kinds.longest(), lengthScale(state.box)));
   forMembers(state, group, [&](int i) {
-    const Wrench own = wrenchOn(state, group, i);
+    const Wrench own = wrenchOn(state, system.boundaries, group, i);
     forces.add(own.force);
     torques.add(own.torque + cross(unwrapped(state, i) - about, own.force));
   });
@@ -157,7 +160,7 @@ std::vector<double> GroupTable::row(const Moment& moment) {
     const Boundary& group = boundaries_.list()[k];
     const Vec3d mean = meanPosition(state, group);
     const Wrench wrench =
-        wrenchOn(state, forces.kinds(), group, group.centre ? group.centreAt(state.time) : mean);
+        wrenchOn(moment.system, group, group.centre ? group.centreAt(state.time) : mean);
     const Vec3d start{starts_[3 * k], starts_[3 * k + 1], starts_[3 * k + 2]};
     for (const Vec3d& v : {wrench.force, wrench.torque, mean, mean - start})
       values.insert(values.end(), {v.x, v.y, v.z});

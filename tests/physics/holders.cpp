@@ -163,6 +163,44 @@ TEST(Holders, LoadsDoTheWorkThatTheTableSays) {
   EXPECT_NEAR(g.at("slide_torque_z").back(), -0.3, 0.02);
 }
 
+TEST(Holders, ALoadOnWhatOthersHoldIsWarnedOfAndDoesNotCount) {
+  const Folder folder;
+  const std::string options =
+      "-scene fibre -fibre_segments 5 -pair none -progress_interval 0 -ts_dt 20 -ts_max_steps 4000 "
+      "-monitor_interval 4000 -damping_local 0.5 -group_monitor ascii:g.csv -overwrite "
+      "-load_region -1,-1,-1,100,1,1 -load_force 0.1,0,0 -load_torque 0,0,0.5 ";
+  for (const int ranks : {1, 3}) {
+    const auto outcome = run(folder,
+                             options +
+                                 "-bc hold,load -hold_region -1,-1,-1,1,1,1 -hold_fix 1,1,1 "
+                                 "-hold_fix_rotation",
+                             ranks);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("of the 5 segments that load loads, hold holds 1 against"),
+              std::string::npos)
+        << outcome.output;
+    const Table g = readCsv(folder / "g.csv");
+    EXPECT_NEAR(g.at("load_force_x").back(), 0.4, 1e-12);
+    EXPECT_NEAR(g.at("hold_force_x").back(), -0.4, 1e-9);
+    EXPECT_NEAR(g.at("load_torque_z").front(), 2, 1e-12);
+    EXPECT_NEAR(g.at("hold_torque_z").back(), -2, 0.05);
+  }
+  const auto gripped =
+      run(folder, options + "-bc load -tension_rate 1e-6 -tension_grip 13.56 -tension_width 10");
+  ASSERT_EQ(gripped.status, 0) << gripped.output;
+  for (const char* grip : {"lower", "upper"})
+    EXPECT_NE(gripped.output.find(std::string("the ") + grip + " grip of the tension test holds 2"),
+              std::string::npos)
+        << gripped.output;
+  EXPECT_NEAR(readCsv(folder / "g.csv").at("load_force_x").front(), 0.1, 1e-12);
+  // What is held in another component only is loaded.
+  const auto free = run(folder, options +
+                                    "-load_torque 0,0,0 -bc slide,load -slide_fix 0,1,0 "
+                                    "-slide_region -1,-1,-1,1,1,1");
+  EXPECT_EQ(free.output.find("warning: of the"), std::string::npos) << free.output;
+  EXPECT_NEAR(readCsv(folder / "g.csv").at("load_force_x").front(), 0.5, 1e-12);
+}
+
 TEST(Holders, TorqueIsAboutTheMeanPositionOrTheGivenCentre) {
   const Folder folder;
   const std::string options =

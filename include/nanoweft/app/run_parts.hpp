@@ -80,7 +80,8 @@ struct RunParts {
   /// Keeps warnings for the header where no segment is of a kind, and where links that are to be
   /// made cannot join two kinds.
   void lookAtKinds();
-  /// Keeps a warning for the header where a group is held along a direction in which the box moves.
+  /// Keeps warnings for the header where a group is held along a direction in which the box moves,
+  /// or loads what another one holds.
   void lookAtGroups();
   /// Keeps a warning for the header where a link is far from its rest.
   void lookAtLinks();

@@ -83,6 +83,12 @@ class Boundaries {
   bool booksWork() const { return booksWork_; }
   /// Bits of the groups that something acts on.
   std::int32_t mask() const { return mask_; }
+  /// Bits of the groups, grips included, that are held in component c: of the velocity for c < 3,
+  /// else of the rotation. Loads do nothing there.
+  std::int32_t holders(std::size_t c) const;
+  /// Says for people which loads do nothing on some of their segments, as others hold those.
+  /// Collective.
+  std::vector<std::string> lostLoads(const State& state) const;
 
  private:
   void readNamed(Options& options, const UnitSystem& units);
