@@ -11,7 +11,9 @@ namespace {
 class Relaxation : public Observer {
  public:
   explicit Relaxation(const ObserverContext& context)
-      : tolerance_(context.settings.relaxTolerance), interval_(context.settings.relaxInterval) {}
+      : boxDrive_(context.boxDrive),
+        tolerance_(context.settings.relaxTolerance),
+        interval_(context.settings.relaxInterval) {}
 
   void restore(const RunRecord& record) override {
     const auto& elastic = record.needReals("relax_elastic", 2);
@@ -47,7 +49,8 @@ class Relaxation : public Observer {
     const bool landed = s.forces.walls().borne(s.state.comm(), tolerance_);
     converged_ = last_ >= 0 && tells && landed &&
                  std::abs(elastic - last_) <= tolerance_ * elastic &&
-                 !stillDriven(s.state, s.forces, s.boundaries);
+                 !stillDriven(s.state, s.forces, s.boundaries) &&
+                 !boxDrive_.underWay(s.state.box, s.state.time);
     last_ = elastic;
   }
   Verdict verdict(const Moment&) const override {
@@ -71,6 +74,7 @@ class Relaxation : public Observer {
 
   bool looks(const Moment& moment) const { return tolerance_ > 0 && isDue(moment, interval_); }
 
+  const BoxDrive& boxDrive_;
   double tolerance_;  ///< 0: never converged
   long interval_;
   bool restarted_ = false, converged_ = false;

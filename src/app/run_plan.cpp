@@ -172,6 +172,11 @@ void RunPlan::refuseContradictions() const {
     if (settings.relaxTolerance > 0 && w.travels() && !checkpoint)
       throw InputError("-relax_tolerance: there is no rest to end at, since the wall " + w.name +
                        " moves for ever (-" + w.name + "_stop)");
+  if (const char* axis = boxDrive.endless(); axis && settings.relaxTolerance > 0 && !checkpoint)
+    throw InputError(format(
+        "-relax_tolerance: there is no rest to end at, since -deform_%s_rate strains the box for "
+        "ever (-deform_%s_until)",
+        axis, axis));
   if (settings.relaxForce > 0) refuseWithoutRest();
   // A restart has the box of its checkpoint, whatever is thought of it now.
   if (!checkpoint) refuseWallsAcross();

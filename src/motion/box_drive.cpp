@@ -14,6 +14,8 @@ constexpr const char* names[6] = {"x", "y", "z", "xy", "xz", "yz"};
 constexpr const char* topic = "Periodic box";
 constexpr const char* servoName = "deform_servo";
 constexpr const char* turnedOverName = "deform_turned_over";
+/// A stress that misses its target by this share of the largest target has reached it.
+constexpr double reached = 0.02;
 
 }  // namespace
 
@@ -72,6 +74,12 @@ std::string BoxDrive::Axis::text(const char* time) const {
   return mode == BoxDrive::rate ? format("strained at %g 1/%s", rate, time)
          : mode == program      ? "strain " + legs->text() + " 1/" + time
                                 : format("driven to %g GPa", target);
+}
+
+bool BoxDrive::Axis::strains(double strain, double time) const {
+  if (mode == program) return time < legs->end();
+  // The box's length is that of its strain but for round-off.
+  return mode == BoxDrive::rate && (until == 0 || std::abs(strain - until) > 1e-9);
 }
 
 BoxDrive::BoxDrive(Options& options, const UnitSystem& units)
@@ -226,6 +234,29 @@ std::array<double, 3> BoxDrive::strains(const Box& box) const {
   for (std::size_t d = 0; d < 3; ++d)
     strains[d] = box.length(static_cast<int>(d)) / start_[d] - 1.0;
   return strains;
+}
+
+bool BoxDrive::underWay(const Box& box, double time) const {
+  const auto strain = strains(box);
+  double largest = 0, missing = 0;
+  auto strained = [&](const Axis& axis, double own, double now) {
+    if (axis.mode == stress) {
+      largest = std::max(largest, std::abs(axis.target));
+      missing = std::max(missing, std::abs(axis.target - now));
+    }
+    return axis.strains(own, time);
+  };
+  for (std::size_t d = 0; d < 3; ++d)
+    if (strained(axes_[d], strain[d], stress_[d])) return true;
+  if (sheared_ != none && strained(axes_[sheared_], shear(), shearStress_)) return true;
+  // Without a target but zero nothing says which stress is large; the elastic energy does.
+  return largest > 0 && missing > reached * largest;
+}
+
+const char* BoxDrive::endless() const {
+  for (std::size_t d = 0; d < axes_.size(); ++d)
+    if (axes_[d].mode == rate && axes_[d].until == 0) return names[d];
+  return nullptr;
 }
 
 double BoxDrive::volume(const Box& box) const {

@@ -228,6 +228,28 @@ TEST(Relaxation, DoesNotConvergeWhileALoadGrowsOrAWallIsOnItsWay) {
       999);
 }
 
+TEST(Relaxation, DoesNotConvergeWhileTheBoxIsOnItsWay) {
+  const Folder folder;
+  const std::string options =
+      "-scene weave -weave_periodic -weave_fibres 4,4 -weave_segments 24 -damping_local 0.3 "
+      "-deform_thickness 17.1 -ts_dt 20 -relax_interval 100 -relax_tolerance 0.2 -overwrite "
+      "-box_monitor ascii:b.csv -monitor_interval 100 -progress_interval 0 -ts_max_steps 20000 ";
+  // A servo that is slow beside the interval, and a strain that is reached after 2500 steps.
+  for (const std::string& drive :
+       {std::string("-deform_x stress -deform_x_stress 5 -deform_y free -deform_modulus 1000"),
+        std::string("-deform_x rate -deform_x_rate 1e-7 -deform_x_until 0.005"),
+        std::string("-deform_x program -deform_x_program 0.005,1e-7")}) {
+    const auto outcome = run(folder, options + drive);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("converged"), std::string::npos) << outcome.output;
+    const auto table = readCsv(folder / "b.csv");
+    if (drive.find("stress") != std::string::npos)
+      EXPECT_NEAR(table.at("xx_GPa").back(), 5, 0.2) << outcome.output;
+    else
+      EXPECT_NEAR(table.at("strain_x").back(), 0.005, 1e-9) << outcome.output;
+  }
+}
+
 TEST(Relaxation, DoesNotConvergeUnderAPlateThatHasYetToLand) {
   // Nothing has happened to the fibre in the 2000 steps before the plate touches it.
   const Folder folder;

@@ -428,6 +428,10 @@ const std::vector<Case> cases = {
      fibre + "-walls w -w_point 0,0,-22 -w_axis 0,0,1 -w_modulus 20 -w_velocity 0,0,1e-4 "
              "-relax_tolerance 1e-3",
      {"-relax_tolerance", "-w_stop"}},
+    {"RestInABoxThatIsStrainedForEver",
+     "-scene weave -weave_periodic -weave_fibres 4,4 -weave_segments 24 -deform_x rate "
+     "-deform_x_rate 1e-7 -relax_tolerance 1e-3",
+     {"-relax_tolerance", "-deform_x_until"}},
     {"AccuracyBetweenKinds",
      "-kinds a,b -a_b_pair_accuracy 0.01 -weave_kinds a,b -weave_fibres 4,4 -weave_segments 24 "
      "-ts_max_steps 2",

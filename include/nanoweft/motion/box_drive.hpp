@@ -56,6 +56,11 @@ class BoxDrive {
   bool carries(int axis) const;
   /// Strain of shear since the start.
   double shear() const { return shear_ - shearStart_; }
+  /// Is a direction on its way still, to the strain where it stops or to its stress? Free ones are
+  /// where they shall be.
+  bool underWay(const Box& box, double time) const;
+  /// The name of a direction that is strained at a rate for ever; null: there is none.
+  const char* endless() const;
   /// Volume to which the stress refers.
   double volume(const Box& box) const;
 
@@ -76,6 +81,8 @@ class BoxDrive {
     /// The strain of shear after a step.
     double nextShear(double strain, double time, double dt, double grown) const;
     std::string text(const char* time) const;
+    /// Has it yet to come to its strain, at the present `strain`?
+    bool strains(double strain, double time) const;
   };
 
   void attachShear(const Box& box, const RunRecord& record, bool restart);
