@@ -70,6 +70,14 @@ double StrainProgram::rate(double time) const {
   return nearest < leg.ramp ? leg.peak * nearest / leg.ramp : leg.peak;
 }
 
+double StrainProgram::highest() const {
+  return std::ranges::max(legs_, {}, &Leg::target).target;
+}
+
+double StrainProgram::lowest() const {
+  return std::ranges::min(legs_, {}, &Leg::target).target;
+}
+
 std::string StrainProgram::text() const {
   std::string text;
   for (const Leg& leg : legs_) {

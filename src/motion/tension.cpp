@@ -29,6 +29,12 @@ double Tension::timeLeft(double time) const {
   return program ? program->end() - time : (maxStrain - strain(time)) / rate;
 }
 
+bool Tension::presses() const {
+  const double lowest = program ? program->lowest() : maxStrain,
+               highest = program ? program->highest() : maxStrain;
+  return highest <= 0 && std::min(lowest, before) < 0;
+}
+
 namespace {
 
 constexpr const char* noTest = "there is no tension test without -tension_rate or -tension_program";

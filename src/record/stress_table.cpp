@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/record/gage_stress.hpp"
@@ -66,10 +67,13 @@ class StressTable : public TableObserver {
   // A checkpoint and a stage both carry it.
   void saveStage(RunRecord& record) const override {
     record.reals["tension_strength"] = {strength_};
+    record.reals[lowestName] = {lowest_};
   }
   void restore(const RunRecord& record) override { restoreStage(record); }
   void restoreStage(const RunRecord& record) override {
     strength_ = record.needReals("tension_strength", 1)[0];
+    // Files of earlier programs lack it.
+    if (record.reals.contains(lowestName)) lowest_ = record.needReals(lowestName, 1)[0];
   }
 
  protected:
@@ -85,28 +89,36 @@ class StressTable : public TableObserver {
   }
 
  private:
+  static constexpr const char* lowestName = "tension_lowest_stress";
+
   void measure(const Moment& moment) {
     grips_ = gripStress(moment.state(), moment.system.forces, *boundaries_.tension(), units_);
     felt_ = std::max({felt_, std::abs(grips_[0]), std::abs(grips_[1])});
     // The strength must not depend on restarts, so a row that is there only because a run ended
     // between two due steps does not count.
-    if (isDue(moment, interval())) strength_ = std::max(strength_, stress());
+    if (!isDue(moment, interval())) return;
+    strength_ = std::max(strength_, stress());
+    lowest_ = std::min(lowest_, stress());
   }
   double stress() const { return 0.5 * (grips_[0] + grips_[1]); }
 
   const UnitSystem& units_;
   const Boundaries& boundaries_;
   std::array<double, 2> grips_{};  ///< stress when last looked at, GPa
-  double strength_ = 0;            ///< the largest stress of the whole test
-  double felt_ = 0;                ///< the largest stress or pressure on a grip of this process
+  /// The largest and the smallest stress of the whole test.
+  double strength_ = -std::numeric_limits<double>::infinity(),
+         lowest_ = std::numeric_limits<double>::infinity();
+  double felt_ = 0;  ///< the largest stress or pressure on a grip of this process
 };
 
 void StressTable::summarise(const Moment& moment) const {
   if (!boundaries_.tension()) return;
   const MPI_Comm comm = moment.state().comm();
-  const double strength = std::max(strength_, stress());
-  PetscPrintf(comm, "strain %.2f %%, strength %.4g GPa, broken bonds %lld\n",
-              100 * boundaries_.tension()->strain(moment.state().time), strength,
+  const Tension& tension = *boundaries_.tension();
+  const bool presses = tension.presses();
+  PetscPrintf(comm, "strain %.2f %%, %s %.4g GPa, broken bonds %lld\n",
+              100 * tension.strain(moment.state().time), presses ? "largest pressure" : "strength",
+              presses ? 0.0 - std::min(lowest_, stress()) : std::max(strength_, stress()),
               static_cast<long long>(moment.energies->brokenBonds));
   // Grips that hold only stray fibres feel nothing but round-off, which is far below 1e-9 GPa.
   if (felt_ < 1e-9)

@@ -1,6 +1,7 @@
-/// What the summary says about damping where people measure forces.
+/// What header and summary say where people measure forces.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <utility>
@@ -42,6 +43,50 @@ TEST_P(SummaryOnRanks, SaysWhatShareOfTheWorkDampingTook) {
     EXPECT_EQ(outcome.output.find("remark: -damping_local") != std::string::npos, noticed)
         << outcome.output;
   }
+}
+
+TEST(Summary, SaysThePressureOfATestThatPresses) {
+  const Folder folder;
+  const std::string options =
+      "-scene fibre -fibre_segments 6 -pair none -tension_ramp 5000 -tension_width 10 "
+      "-tension_grip 13.56 -ts_dt 15 -progress_interval 0 -monitor_interval 10 -overwrite "
+      "-checkpoint_file c.h5 -state_output s.h5 -stress_monitor ascii:s.csv ";
+  auto meanOf = [&](std::size_t row) {
+    const auto table = readCsv(folder / "s.csv");
+    return 0.5 * (table.at("stress_left_GPa")[row] + table.at("stress_right_GPa")[row]);
+  };
+  for (const char* course : {"-tension_rate -1e-5 -tension_max_strain -0.02",
+                             "-tension_program -0.02,1e-5,-0.01,1e-5"}) {
+    const Outcome half = run(folder, options + course + " -ts_max_steps 100");
+    ASSERT_EQ(half.status, 0) << half.output;
+    EXPECT_LT(meanOf(readCsv(folder / "s.csv").at("strain").size() - 1), -1.0);
+    const Outcome whole = run(folder, options + course + " -restart c.h5");
+    ASSERT_EQ(whole.status, 0) << whole.output;
+    double lowest = 0;
+    for (std::size_t row = 0; row < readCsv(folder / "s.csv").at("strain").size(); ++row)
+      lowest = std::min(lowest, meanOf(row));
+    EXPECT_LT(lowest, -10.0);
+    EXPECT_NEAR(numberAfter(whole.output, "%, largest pressure "), -lowest, -1e-3 * lowest)
+        << whole.output;
+  }
+  // The next stage goes back, but does not pull: it knows the largest pressure of the first one.
+  const Outcome back =
+      run(folder,
+          "-scene file -scene_file s.h5 -pair none -tension_rate 1e-5 -tension_max_strain "
+          "-0.005 -ts_dt 15 -tension_ramp 0 -progress_interval 0");
+  ASSERT_EQ(back.status, 0) << back.output;
+  EXPECT_GT(numberAfter(back.output, "%, largest pressure "), 10.0) << back.output;
+}
+
+TEST(Summary, SaysTheStressOfAPieceThatIsReleasedFromPressure) {
+  // All rows are of pressure: the largest stress is the one next to none, but not none.
+  const Folder folder;
+  const Outcome outcome = run(folder,
+                              "-scene fibre -fibre_segments 6 -fibre_strain -0.02 -pair none "
+                              "-tension_rate 1e-6 -tension_max_strain 0.005 -tension_width 10 "
+                              "-tension_grip 13.56 -ts_dt 15 -progress_interval 0");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_LT(numberAfter(outcome.output, "%, strength "), -5.0) << outcome.output;
 }
 
 TEST(Summary, WarnsOfABalanceThatDrifts) {

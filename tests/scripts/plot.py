@@ -137,6 +137,18 @@ class Plot(FolderTest):
         write_table(self.path("a.csv"), stresses())
         self.assertIsNone(plots.virial_of(tables.read(self.path("a.csv"))))
 
+    def test_a_test_that_presses_has_its_largest_pressure_marked(self):
+        pulled = stresses()
+        pressed = {name: -values if name[:6] in ("strain", "stress") else values
+                   for name, values in pulled.items()}
+        largest = pulled["stress_left_GPa"].max()
+        for columns, sign in (pulled, 1), (pressed, -1):
+            write_table(self.path("s.csv"), columns)
+            self.draw("stress", "s.csv")
+            figure = plots.plot_stress([tables.read(self.path("s.csv"))], ["s"])
+            self.assertEqual([text.get_text().split(" GPa")[0] for text in figure.axes[0].texts],
+                             [f"{sign * largest:.3g}"])
+
     def test_tables_of_the_program(self):
         done = self.run_program(nanoweft, *"-weave_fibres 4,4 -weave_segments 24 -damping_local 0.4"
                                 " -ts_max_steps 60 -monitor_interval 5"

@@ -25,6 +25,9 @@ class StrainProgram {
   double strain(double time) const;
   /// Its derivative.
   double rate(double time) const;
+  /// The largest and the smallest strain of a leg's end.
+  double highest() const;
+  double lowest() const;
   /// Time when the last leg is over.
   double end() const { return legs_.back().start + legs_.back().duration; }
   /// For people: "0.02 at 1e-06, then 0 at 1e-06".

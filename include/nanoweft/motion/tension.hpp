@@ -44,6 +44,8 @@ struct Tension {
   bool over(double time) const;
   /// Time until then.
   double timeLeft(double time) const;
+  /// Does it make the piece shorter than it was at the start of the test, and never longer?
+  bool presses() const;
 
   /// What the options say; empty where they are not given.
   struct Asked {

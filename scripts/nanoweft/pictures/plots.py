@@ -154,7 +154,9 @@ def plot_stress(tables: Tables, labels: Labels) -> Figure:
         strain, broken = 100 * table["strain"], table["broken_bonds"]
         left, right = table["stress_left_GPa"], table["stress_right_GPa"]
         mean = (left + right) / 2
-        peak = np.argmax(mean)
+        # The largest pressure where the test presses, and never pulls.
+        presses = strain.min() < 0 and strain.max() <= 0
+        peak = mean.argmin() if presses else mean.argmax()
         strength = f"{mean[peak]:.3g} GPa at {strain[peak]:.3g} %"
         axes.plot(strain, mean, color=colour, lw=2.2,
                   label="mean" if single else f"{label}: {strength}")
@@ -168,16 +170,20 @@ def plot_stress(tables: Tables, labels: Labels) -> Figure:
         axes.plot(strain[peak], mean[peak], "o", ms=7, mfc="white", mec=colour, mew=1.6)
         if single:
             side = "right" if strain[peak] > 0.8 * strain.max() else "center"
-            axes.annotate(strength, (strain[peak], mean[peak]), (0, 9), ha=side, color=colour,
-                          textcoords="offset points")
+            if presses:
+                side = "left" if strain[peak] < 0.8 * strain.min() else "center"
+            axes.annotate(strength, (strain[peak], mean[peak]), (0, -17 if presses else 9),
+                          ha=side, color=colour, textcoords="offset points")
             bonds.fill_between(strain, broken, step="post", color=GREY, alpha=0.18, lw=0)
         bonds.step(strain, broken, where="post", lw=0.9, ls="-" if single else "-.",
                    color=GREY if single else colour, alpha=0.8)
     dashed = any(virial_of(table) is not None for table in tables) and not single
     axes.set(xlabel="strain, %", ylabel="stress, GPa" + ", dashed: virial" * dashed)
     axes.margins(y=0.12)
-    axes.set_ylim(bottom=min(0, *(min(line.get_ydata()) for line in axes.lines))
-                  - 0.02 * axes.get_ylim()[1])
+    low, high = axes.get_ylim()
+    # Marks of pressures stand below their curves, in the margin.
+    if low > -high:
+        axes.set_ylim(bottom=min(0, *(min(line.get_ydata()) for line in axes.lines)) - 0.02 * high)
     axes.legend(loc="upper left")
     # One zero for both scales.
     low, high = axes.get_ylim()
