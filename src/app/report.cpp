@@ -439,10 +439,20 @@ void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock, do
               static_cast<long long>(census.cutBonds));
 }
 
-void printDampingShare(const RunPlan& plan, const Energies& e) {
+/// Do bonds, contacts, walls or a bath fill the account `damped`, too? Then nobody knows the share
+/// of -damping_local and -damping_viscous.
+bool othersDamp(const RunPlan& plan, const PairForces& pairs) {
+  return plan.kinds.yields() || plan.kinds.viscous() || plan.settings.thermostat || pairs.damps() ||
+         std::ranges::any_of(plan.walls, [](const Wall& w) { return w.friction.restitution < 1; });
+}
+
+void printDampingShare(const RunParts& parts, const Energies& e) {
+  const RunPlan& plan = *parts.plan;
   const double damping = plan.settings.damping;
   const bool local = damping > 0;
-  if ((!local && !plan.settings.viscous) || !(e.external > 0)) return;
+  if ((!local && !plan.settings.viscous) || othersDamp(plan, parts.forces->pairs())) return;
+  // Beyond that it has taken what the start brought along, such as the strain of a weave's crimp.
+  if (!(e.external > 0) || e.damped > e.external) return;
   const double share = e.damped / e.external;
   PetscPrintf(plan.comm, "damping took %.3g %% of the work of grips and loads%s\n", 100 * share,
               plan.boxDrive ? " and of what drives the box" : "");
@@ -490,7 +500,7 @@ void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, 
               rubs ? " + friction" : "", heated ? " - heat" : "", e.balance() - end.first.balance(),
               plan.units.energy, e.damped, e.external, e.broken, others.c_str());
   remarkOnDrift(parts, end);
-  printDampingShare(plan, e);
+  printDampingShare(parts, e);
   if (parts.limits.lowest < parts.limits.first) {
     PetscPrintf(plan.comm, "stable step: %.4g %s at the start, %.4g at the lowest\n",
                 parts.limits.first, plan.units.time, parts.limits.lowest);

@@ -247,6 +247,7 @@ class ContactForce final : public PairForce {
   }
   bool touches() const override { return true; }
   bool rubs() const override { return static_cast<bool>(friction_); }
+  bool damps() const override { return friction_.restitution < 1; }
   Both<double> pointSpan() const override { return {0.5 * length_.i, 0.5 * length_.j}; }
 
  private:

@@ -45,6 +45,10 @@ bool PairForces::rubs() const {
   return std::ranges::any_of(classes_, [](const Class& c) { return c.force->rubs(); });
 }
 
+bool PairForces::damps() const {
+  return std::ranges::any_of(classes_, [](const Class& c) { return c.force->damps(); });
+}
+
 bool PairForces::keepsApart(int a, int b) const {
   return std::ranges::any_of(
       classes_, [&](const Class& c) { return c.between(a, b) && c.force->keepsApart(); });

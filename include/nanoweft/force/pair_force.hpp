@@ -190,6 +190,8 @@ class PairForce {
   virtual bool touches() const { return false; }
   /// Has it friction, or damping that its contacts bring along?
   virtual bool rubs() const { return false; }
+  /// Has it such damping (a restitution below 1)?
+  virtual bool damps() const { return false; }
   const LawWidth& width() const { return traits_.width; }
   bool keepsApart() const { return traits_.keepsApart; }
   /// Places of the outermost points of near pairs, from the centres.

@@ -39,6 +39,8 @@ class PairForces {
   bool touches() const;
   /// Has any of them friction?
   bool rubs() const;
+  /// Has any of them damping of its own?
+  bool damps() const;
   explicit operator bool() const { return !classes_.empty(); }
   const std::vector<Class>& classes() const { return classes_; }
   /// The widest between segments of two kinds, in any order; null where they do not interact.
