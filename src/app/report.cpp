@@ -205,7 +205,10 @@ void printTeam(const RunParts& parts) {
 
 void printTension(const State& state, const Tension& t, const UnitSystem& units) {
   const MPI_Comm comm = state.comm();
-  const std::string course = t.program ? "strain " + t.program->text() : format("rate %g", t.rate);
+  std::string course = t.program ? "strain " + t.program->text() : format("rate %g", t.rate);
+  if (const double peak = t.peakRate();
+      !t.program && std::abs(peak) < (1.0 - 1e-9) * std::abs(t.rate))
+    course += format(" (%.3g at most: the way is short for its ramp)", peak);
   PetscPrintf(comm, "  tension along %c: gage %.5g %s, width %.5g %s, thickness %.4g %s, %s 1/%s\n",
               "xyz"[t.axis], t.gage, units.length, t.width, units.length, t.thickness, units.length,
               course.c_str(), units.time);

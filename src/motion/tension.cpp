@@ -29,6 +29,11 @@ double Tension::timeLeft(double time) const {
   return program ? program->end() - time : (maxStrain - strain(time)) / rate;
 }
 
+double Tension::peakRate() const {
+  const double share = 2.0 * (maxStrain - before) / (rate * ramp);
+  return share < 1.0 ? std::sqrt(share) * rate : rate;
+}
+
 bool Tension::presses() const {
   const double lowest = program ? program->lowest() : maxStrain,
                highest = program ? program->highest() : maxStrain;

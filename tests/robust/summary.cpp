@@ -111,6 +111,27 @@ TEST(Summary, SaysTheStressOfAPieceThatIsReleasedFromPressure) {
   EXPECT_LT(numberAfter(outcome.output, "%, strength "), -5.0) << outcome.output;
 }
 
+TEST(Header, SaysTheHighestRateOfATestThatIsShortForItsRamp) {
+  const Folder folder;
+  const std::string options =
+      "-scene fibre -fibre_segments 11 -pair none -tension_width 10 -tension_grip 13.56 -ts_dt 15 "
+      "-ts_max_steps 1 -progress_interval 0 -overwrite ";
+  for (const auto& [course, said] : std::vector<std::pair<std::string, std::string>>{
+           // sqrt(2 * 0.001/0.01) of it.
+           {"1e-6 -tension_max_strain 0.001",
+            "rate 1e-06 (4.47e-07 at most: the way is short for "
+            "its ramp) 1/fs"},
+           {"-1e-6 -tension_max_strain -0.001",
+            "rate -1e-06 (-4.47e-07 at most: the way is short "
+            "for its ramp) 1/fs"},
+           {"1e-6 -tension_max_strain 0.005", "rate 1e-06 1/fs"},
+           {"1e-6 -tension_max_strain 0.001 -tension_ramp 0", "rate 1e-06 1/fs"}}) {
+    const Outcome outcome = run(folder, options + "-tension_rate " + course);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find(said), std::string::npos) << outcome.output;
+  }
+}
+
 TEST(Summary, WarnsOfABalanceThatDrifts) {
   const Folder folder;
   for (const auto& [step, warned] : {std::pair{"32", true}, std::pair{"5", false}}) {

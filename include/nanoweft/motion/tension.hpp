@@ -44,6 +44,8 @@ struct Tension {
   bool over(double time) const;
   /// Time until then.
   double timeLeft(double time) const;
+  /// The highest rate, with its sign, that the ramp leaves time for; without a program.
+  double peakRate() const;
   /// Does it make the piece shorter than it was at the start of the test, and never longer?
   bool presses() const;
 
