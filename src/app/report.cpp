@@ -355,7 +355,7 @@ void printHeader(const RunParts& parts, const Moment& start) {
   if (const Tilt& tilt = box.tilt)
     PetscPrintf(plan.comm, "  tilted: images across %c slide along %c by %g %s\n",
                 "xyz"[tilt.across], "xyz"[tilt.along], tilt.way, units.length);
-  if (const std::string packing = plan.scene ? plan.scene->packing() : ""; !packing.empty())
+  if (const std::string packing = plan.scene ? plan.scene->packing(box) : ""; !packing.empty())
     PetscPrintf(plan.comm, "  %s\n", packing.c_str());
   for (const Fibre& fibre : plan.kinds) printFibre(plan.comm, fibre, units);
   printPairForces(plan.comm, parts.forces->pairs(), plan.kinds, units);

@@ -137,12 +137,13 @@ class LaidScene final : public Scene {
   Box box() const override { return box_; }
   bool shapesRest() const override { return laying_.shaped; }
   std::string file() const override { return laying_.file; }
-  std::string packing() const override {
+  std::string packing(const Box& box) const override {
+    const double space = laying_.space * spread(box_, box);
     std::string text = format("scene %s: %lld fibres", laying_.name.c_str(),
                               static_cast<long long>(laying_.fibres));
-    if (laying_.space > 0)
-      text += format(", volume fraction %.4g, %.4g fibres a %s^3", volume_ / laying_.space,
-                     static_cast<double>(laying_.fibres) / laying_.space, units_.length);
+    if (space > 0)
+      text += format(", volume fraction %.4g, %.4g fibres a %s^3", volume_ / space,
+                     static_cast<double>(laying_.fibres) / space, units_.length);
     return text + (laying_.also.empty() ? "" : ", " + laying_.also) +
            (laying_.warning.empty() ? "" : "\n  warning: " + laying_.warning);
   }

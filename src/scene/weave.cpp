@@ -125,10 +125,10 @@ class WeaveScene final : public Scene {
     return {0, pi, 0};
   }
   bool shapesRest() const override { return p_.shaped; }
-  std::string packing() const override {
+  std::string packing(const Box& own) const override {
     // As of the other patterns: the area that the crossings take, times the thickness.
-    const double thickness = 4.0 * amplitude_,
-                 space = x_.crossings * x_.pitch * y_.crossings * y_.pitch * thickness;
+    const double thickness = 4.0 * amplitude_, space = x_.crossings * x_.pitch * y_.crossings *
+                                                       y_.pitch * thickness * spread(box(), own);
     return format(
         "scene weave: %d fibres, volume fraction %.4g, %.4g fibres a %s^3, pitch "
         "%.5g,%.5g %s, thickness %.5g %s",

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <regex>
 #include <string>
+#include <tuple>
 
 #include "support/expect.hpp"
 #include "support/program.hpp"
@@ -289,6 +290,18 @@ TEST(Scenes, APlainWeaveFillsAFractionOfItsAreaTimesItsThickness) {
   const Stated weave("-scene weave -weave_fibres 6,6 -weave_segments 80 -weave_pitch 160");
   const double height = weave.span(&Vec3d::z) + rest;
   EXPECT_NEAR(weave.volume / (960.0 * 960.0 * height) / weave.fraction, 1, 0.005);
+}
+
+TEST(Scenes, FractionsAreThoseOfTheBoxThatTheRunHas) {
+  for (const auto& [scene, wider, factor] :
+       std::vector<std::tuple<std::string, std::string, double>>{
+           {"-scene network -network_size 400,420,440 -network_segments 15 -network_fibres 40 ",
+            "-domain_lower 0,0,0 -domain_upper 500,420,440", 0.8},
+           {"-scene film -film_periodic -film_size 400,400 -film_segments 15 -film_fibres 20 ",
+            "-domain_upper 500,400,200", 0.8}}) {
+    const Stated own(scene), run(scene + wider);
+    EXPECT_NEAR(run.fraction / own.fraction, factor, 1e-3) << run.output;
+  }
 }
 
 TEST(Scenes, AFilmIsAsThickAsTheFibresThatAreInIt) {

@@ -55,8 +55,15 @@ class Scene {
   /// The file that the state comes from, where it comes from one.
   virtual const StateHeader* header() const { return nullptr; }
   virtual std::string file() const { return ""; }
-  /// What was laid and how densely, a line for the header of a run; may be empty.
-  virtual std::string packing() const { return ""; }
+  /// What was laid and how densely in the run's box, a line for the header; may be empty.
+  virtual std::string packing(const Box&) const { return ""; }
+  /// How much longer the run's box is than `own` where that is periodic, all directions multiplied.
+  static double spread(const Box& own, const Box& box) {
+    double spread = 1;
+    for (int d = 0; d < 3; ++d)
+      if (own.periodic[static_cast<std::size_t>(d)]) spread *= box.length(d) / own.length(d);
+    return spread;
+  }
 };
 
 /// What a run wants of one of the scenes.
