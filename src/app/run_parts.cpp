@@ -216,6 +216,10 @@ void RunParts::checkStart() {
       evolved = it->second == numbersOf(theirs) && restShapesOf(file->run) == shapesOf(theirs) &&
                 own.lower == plan->box.lower && own.upper == plan->box.upper &&
                 own.periodic == plan->box.periodic;
+  if (file) {
+    warnings = file->strange;
+    lookAtImages();
+  }
   const bool refuse = !evaluatesOnly() && !plan->settings.startUnchecked;
   if (file)
     if (const auto it = file->run.reals.find("links");
@@ -231,6 +235,44 @@ void RunParts::checkStart() {
       throw InputError("the start cannot be meant: " + finding.text + " (or -start_unchecked)");
     warnings.push_back("at the start, " + finding.text);
   }
+}
+
+void RunParts::lookAtImages() {
+  const State& s = *state;
+  struct Place {
+    double x[3] = {};
+    std::int64_t fibre = -1;  ///< -1: none, or its bond to the next one is broken
+  };
+  auto placeOf = [&](int i) {
+    const Vec3d x = s.box.unwrapped(s.pose + 8 * i, s.image + 3 * i);
+    return Place{{x.x, x.y, x.z}, s.bond[i] & nextBroken ? -1 : s.fibre[i]};
+  };
+  // Rows are still in the order of the file: a rank's first one follows the last of another rank.
+  const bool any = s.owned() > 0;
+  const Place mine = any ? placeOf(s.owned() - 1) : Place{};
+  std::vector<Place> lasts(static_cast<std::size_t>(s.ranks()));
+  MPI_Allgather(&mine, sizeof mine, MPI_BYTE, lasts.data(), sizeof mine, MPI_BYTE, s.comm());
+  Place before = any && s.rank() > 0 ? lasts[static_cast<std::size_t>(s.rank()) - 1] : Place{};
+  const MinimumImage nearest(s.box);
+  std::int64_t torn = 0, first = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < s.owned(); ++i) {
+    const Place here = placeOf(i);
+    const Vec3d way{here.x[0] - before.x[0], here.x[1] - before.x[1], here.x[2] - before.x[2]};
+    // They differ by whole periods.
+    if (s.chain[2 * i] > 0 && before.fibre == s.fibre[i] &&
+        norm(nearest(way) - way) > plan->kinds.shortest()) {
+      ++torn;
+      first = std::min(first, s.fibre[i]);
+    }
+    before = here;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &torn, 1, MPI_INT64_T, MPI_SUM, s.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, s.comm());
+  if (torn > 0)
+    warnings.push_back(
+        format("/state/image of the file tears %lld bonds of fibres (fibre %lld first): forces are "
+               "right, but not what is measured along fibres; leave image out, and it is found",
+               static_cast<long long>(torn), static_cast<long long>(first)));
 }
 
 void RunParts::perturb() {

@@ -43,6 +43,41 @@ std::set<std::string> namesOfParts(hid_t group) {
   return names;
 }
 
+/// Says which names of a group are none of those that are known, if any.
+void noteStrange(hid_t group, const std::string& path, const std::set<std::string>& known,
+                 std::vector<std::string>& strange) {
+  std::set<std::string> names;
+  auto note = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    static_cast<std::set<std::string>*>(out)->insert(name);
+    return 0;
+  };
+  H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, note, &names);
+  auto list = [](const std::set<std::string>& of) {
+    return listOf(std::vector<std::string>(of.begin(), of.end()));
+  };
+  std::erase_if(names, [&](const std::string& name) { return known.contains(name); });
+  if (!names.empty())
+    strange.push_back(format("in %s of the state file nobody reads %s; known are %s", path.c_str(),
+                             list(names).c_str(), list(known).c_str()));
+}
+
+/// What in the file nobody reads. One misspelt name, and a start at rest passes for one that moves.
+std::vector<std::string> strangeParts(const OpenState& file) {
+  std::set<std::string> known;
+  for (const auto& row : {rows::position, rows::orientation, rows::fibre, rows::index, rows::image,
+                          rows::bondBroken, rows::fibreClosed, rows::kind})
+    known.insert(row.name);
+  for (const Field& f : fields)
+    if (readByName(f) || f.stored == Stored::withForces) known.insert(f.name);
+  std::vector<std::string> strange;
+  noteStrange(file.file(), "/", {"state", "link", "run", "mesh", "field"}, strange);
+  noteStrange(file.segments(), "/state", known, strange);
+  if (file.hasLinks())
+    noteStrange(file.links(), "/link", {"segments", "kind", "broken", "rest_length", "rest_frame"},
+                strange);
+  return strange;
+}
+
 /// Reads rows of a dataset of /state; leaves `values` empty when it is missing.
 template <class T>
 void readRows(const OpenState& file, const h5::Expected& expected, const RowBlock& block,
@@ -112,7 +147,10 @@ StateHeader readHeader(const OpenState& file) {
     header.parts.insert("link");
     header.linkKinds = readKindNames(file, kindsOfLinks);
   }
-  if (file.hasRecord()) header.run = readRecord(file);
+  if (file.hasRecord())
+    header.run = readRecord(file);
+  else
+    header.strange = strangeParts(file);
   header.identity = file.identity();
   return header;
 }

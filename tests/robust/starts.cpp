@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 
+#include "nanoweft/base/error.hpp"
 #include "nanoweft/base/hdf5.hpp"
 #include "support/expect.hpp"
 #include "support/program.hpp"
@@ -33,6 +34,17 @@ std::size_t warnings(const Outcome& outcome) {
        at = outcome.output.find("warning", at + 1))
     ++count;
   return count;
+}
+
+/// Gives each segment its image, three whole numbers.
+void setImages(const std::string& file, const std::vector<std::int32_t>& images) {
+  const hsize_t shape[2] = {images.size() / 3, 3};
+  h5::Handle h(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  h5::Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose);
+  h5::Handle set(
+      H5Dcreate2(h, "/state/image", H5T_NATIVE_INT32, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  H5Dwrite(set, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, images.data());
 }
 
 /// A straight fibre whose spacing is not T.
@@ -136,6 +148,59 @@ const std::vector<Start> refused = {
 };
 
 class Starts : public testing::TestWithParam<std::tuple<Start, int>> {};
+
+TEST(Starts, NamesThatNobodyReadsAreWarnedOf) {
+  const Folder folder;
+  const std::string file = folder / "in.h5";
+  const auto fibres = {straightFibre({0, 0, 0}, {1, 0, 0}, 10),
+                       straightFibre({0, 20, 0}, {1, 0, 0}, 10)};
+  const std::string options = start + "-pair none -ts_max_steps 1";
+  writeState(file, fibres);
+  setLinks(file, {{0, 3, 1, 3}});
+  setDataset(file, "velocity", std::vector<double>(60, 1e-6), 3);
+  expectSilent(run(folder, options));
+  setDataset(file, "velocities", std::vector<double>(60, 1e-6), 3);
+  setDataset(file, "/link/rest_lenght", {10.0}, 1);
+  for (const int ranks : {1, 3}) {
+    const Outcome outcome = run(folder, options, ranks);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(warnings(outcome), 2) << outcome.output;
+    for (const char* said : {"in /state of the state file nobody reads velocities; known are ",
+                             "in /link of the state file nobody reads rest_lenght; known are "})
+      EXPECT_NE(outcome.output.find(said), std::string::npos) << outcome.output;
+  }
+}
+
+TEST(Starts, ImagesThatTearFibresAreWarnedOf) {
+  const Folder folder;
+  BoxInput box;
+  box.lower = {0, 0, -100};
+  box.upper = {200, 200, 100};
+  box.periodic = {true, false, false};
+  FibreInput fibre = straightFibre({150, 50, 0}, {1, 0, 0}, 9);
+  for (Vec3d& x : fibre.position) x.x -= x.x > 200 ? 200 : 0;
+  // The last five segments lie in the next image; one of them may say that it does not.
+  auto imagesWith = [](int at) {
+    std::vector<std::int32_t> images(27, 0);
+    for (std::size_t k = 4; k < 9; ++k) images[3 * k] = 1;
+    if (at >= 0) images[3 * static_cast<std::size_t>(at)] = 0;
+    return images;
+  };
+  for (const int ranks : {1, 3})
+    for (const auto& [at, torn] : {std::pair{-1, 0}, std::pair{8, 1}, std::pair{6, 2}}) {
+      writeState(folder / "in.h5", {fibre}, box);
+      setImages(folder / "in.h5", imagesWith(at));
+      const Outcome outcome = run(folder, start + "-pair none -ts_max_steps 1", ranks);
+      if (torn == 0) {
+        expectSilent(outcome);
+        continue;
+      }
+      EXPECT_NE(
+          outcome.output.find(nanoweft::format("tears %d bonds of fibres (fibre 0 first)", torn)),
+          std::string::npos)
+          << outcome.output;
+    }
+}
 
 TEST_P(Starts, ThatCannotBeMeantAreRefusedWithTheCause) {
   const auto& [c, ranks] = GetParam();

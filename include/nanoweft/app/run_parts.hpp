@@ -69,6 +69,8 @@ struct RunParts {
   void share();
   /// Refuses a start whose bonds are far from rest, or keeps a warning for the header.
   void checkStart();
+  /// Keeps a warning for the header where images of a file tear fibres.
+  void lookAtImages();
   void perturb();
   void refuseOverlap() const;
   /// Sets `stage`, and the seed of the thermostat.

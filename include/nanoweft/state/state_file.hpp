@@ -45,6 +45,8 @@ struct StateHeader {
   /// Names behind the numbers of /state/kind, and of /link/kind; empty: none are given.
   std::vector<std::string> kinds, linkKinds;
   std::set<std::string> parts;  ///< names of what /state holds: datasets with content, step, time
+  /// Of a file made by hand: what in it nobody reads, in words for people.
+  std::vector<std::string> strange;
 };
 
 /// Whose hand a state file may come from.
