@@ -78,7 +78,8 @@ class Scene(states.State):
         rows = {**self.rows, "position": (self.whole - point) @ turn + point,
                 "orientation": rotations.multiply(q, self["orientation"])}
         rows.pop("image", None)
-        rows.update({name: rows[name] @ turn for name in ("velocity", "angular_velocity")
+        rows.update({name: rows[name] @ turn
+                     for name in ("velocity", "angular_velocity", "force", "torque")
                      if name in rows})
         corners = np.array(list(itertools.product(*zip(self.lower, self.upper))))
         corners = (corners - point) @ turn + point

@@ -367,7 +367,10 @@ def at_rest(state: State) -> State:
 
 
 def write(name: Path, state: State) -> None:
-    """A state file as one makes it by hand: without digest and provenance."""
+    """A state file as one makes it by hand: without digest and provenance. Unusable for a state
+    with links, which it would lose."""
+    if len(state.links):
+        raise Unusable(f"{name}: the state has links, which states.write does not write")
     with h5py.File(name, "w") as file:
         group = file.create_group("state")
         group.attrs.update(format="nanoweft-state", version=1, step=state.step, time=state.time,

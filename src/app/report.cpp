@@ -8,6 +8,7 @@
 #include "nanoweft/app/instability.hpp"
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
+#include "nanoweft/base/exact_sum.hpp"
 #include "nanoweft/base/simd.hpp"
 #include "nanoweft/force/quadrature.hpp"
 #include "nanoweft/motion/residual.hpp"
@@ -472,11 +473,24 @@ void printDampingShare(const RunParts& parts, const Energies& e) {
 }
 
 /// A minimiser's path is no motion, and a thermostat turns over more than what there was.
-void remarkOnDrift(const RunParts& parts, const Moment& end) {
-  if (parts.plan->minimises() || parts.plan->settings.thermostat) return;
+void remarkOnDrift(const RunParts& parts, const Moment& end, std::int64_t steps) {
+  if (parts.plan->minimises()) return;
   const Energies &e = *end.energies, &first = end.first;
-  const double drift = std::abs(e.balance() - first.balance()),
-               there = first.elastic() + first.kinetic + first.rotational +
+  const double drift = std::abs(e.balance() - first.balance());
+  // What each step adds to an account is rounded to the grid of exact sums.
+  const double grid = SumUnit(parts.plan->kinds.energyScale()).grid(),
+               lost = 0.5 * grid * static_cast<double>(parts.state->total() * steps);
+  if (const double own = e.elastic() + e.kinetic + e.rotational;
+      drift > noticedDrift * own && lost > noticedDrift * own) {
+    PetscPrintf(parts.plan->comm,
+                "  warning: that is %.2g %% of the energy that there is: external, damped and heat "
+                "lose what a step adds for a segment below %.2g %s (1e-22 of B1 T^2); motion and "
+                "energies are right\n",
+                100.0 * drift / own, 0.5 * grid, parts.plan->units.energy);
+    return;
+  }
+  if (parts.plan->settings.thermostat) return;
+  const double there = first.elastic() + first.kinetic + first.rotational +
                        std::abs(e.external - first.external) + std::abs(e.pair - first.pair),
                roundOff = 1e-9 * parts.plan->kinds.energyScale() *
                           static_cast<double>(parts.state->total());
@@ -502,7 +516,7 @@ void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, 
               "%.6g, external %.6g, broken %.6g%s)\n",
               rubs ? " + friction" : "", heated ? " - heat" : "", e.balance() - end.first.balance(),
               plan.units.energy, e.damped, e.external, e.broken, others.c_str());
-  remarkOnDrift(parts, end);
+  remarkOnDrift(parts, end, end.step() - clock.step);
   printDampingShare(parts, e);
   if (parts.limits.lowest < parts.limits.first) {
     PetscPrintf(plan.comm, "stable step: %.4g %s at the start, %.4g at the lowest\n",

@@ -120,8 +120,9 @@ void StressTable::summarise(const Moment& moment) const {
               100 * tension.strain(moment.state().time), presses ? "largest pressure" : "strength",
               presses ? 0.0 - std::min(lowest_, stress()) : std::max(strength_, stress()),
               static_cast<long long>(moment.energies->brokenBonds));
-  // Grips that hold only stray fibres feel nothing but round-off, which is far below 1e-9 GPa.
-  if (felt_ < 1e-9)
+  // Grips that hold only stray fibres feel nothing but round-off.
+  const double area = tension.width * tension.thickness * units_.gigapascal;
+  if (felt_ * area < 1e-14 * moment.system.forces.kinds().forceScale())
     PetscPrintf(comm,
                 "warning: the grips have felt no force: nothing joins them (-tension_ends says "
                 "where the piece ends when stray fibres lie beyond)\n");

@@ -146,6 +146,33 @@ TEST(Summary, WarnsOfABalanceThatDrifts) {
   }
 }
 
+TEST(Summary, WarnsOfAccountsThatAreTooCoarse) {
+  for (const auto& [force, warned] : {std::pair{"1e-13", true}, std::pair{"1e-9", false}}) {
+    const Folder folder;
+    const auto outcome = run(
+        folder, std::string("-units si -fibre_preset glass_e -scene fibre -fibre_segments 21 -pair "
+                            "none -bc all -all_region -1,-1,-1,1,1,1 -ts_max_time 2e-5 -all_force "
+                            "0,0,") +
+                    force);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(
+        outcome.output.find("external, damped and heat lose what a step adds") != std::string::npos,
+        warned)
+        << outcome.output;
+  }
+}
+
+TEST(Summary, FindsTheForceOfGripsThatHoldAWideAndLightPiece) {
+  const Folder folder;
+  const auto outcome = run(folder,
+                           "-units si -fibre_preset collagen -scene fibre -fibre_segments 30 "
+                           "-pair none -tension_rate 2e3 -tension_max_strain 1e-6 "
+                           "-tension_width 1e-3 -tension_thickness 1e-3");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(outcome.output.find("the grips have felt no force"), std::string::npos)
+      << outcome.output;
+}
+
 TEST(Summary, IsSilentWhereNothingIsDampedOrNoWorkIsDone) {
   const Folder folder;
   for (const std::string& options :

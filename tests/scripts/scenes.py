@@ -66,6 +66,7 @@ class Scenes(FolderTest):
 
     def test_a_scene_turns_as_a_rigid_body(self) -> None:
         straight = straight_rope()
+        straight.rows["force"] = np.tile([1.0, 2.0, 3.0], (len(straight.position), 1))
         turned = straight.turned((1, 2, 3), 0.7, (5, 6, 7))
         self.assertAlmostEqual(np.ptp(np.linalg.norm(turned.position - (5, 6, 7), axis=1)
                                       - np.linalg.norm(straight.position - (5, 6, 7), axis=1)), 0)
@@ -73,6 +74,10 @@ class Scenes(FolderTest):
                         rotations.matrices(scene.orientation)[0, :, 0]] for scene in
                        (straight, turned))
         self.assertAlmostEqual(chord[0] @ chord[1], axis[0] @ axis[1])
+        # Along the axis of the turn.
+        np.testing.assert_allclose(turned["force"], straight["force"], atol=1e-12)
+        across = straight.turned((0, 0, 1), math.pi / 2)
+        np.testing.assert_allclose(across["force"][0], (-2, 1, 3), atol=1e-12)
         self.assertTrue((turned.position > turned.lower).all())
         back = turned.turned((1, 2, 3), -0.7, (5, 6, 7))
         np.testing.assert_allclose(back.position, straight.position, atol=1e-9)

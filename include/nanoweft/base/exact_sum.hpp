@@ -21,6 +21,8 @@ struct SumUnit {
   /// `scale`: the typical size of one term; the grid is about 1e-22 of it.
   explicit SumUnit(double scale)
       : unit(std::ldexp(1.0, std::ilogb(scale) - 33)), inverse(1.0 / unit) {}
+  /// What terms are rounded to.
+  double grid() const { return std::ldexp(unit, -40); }
 };
 
 /// Sum of doubles on the grid `unit` * 2^-40, held as two integers: terms below 2^50 units (1e5
