@@ -480,13 +480,16 @@ void remarkOnDrift(const RunParts& parts, const Moment& end, std::int64_t steps)
   // What each step adds to an account is rounded to the grid of exact sums.
   const double grid = SumUnit(parts.plan->kinds.energyScale()).grid(),
                lost = 0.5 * grid * static_cast<double>(parts.state->total() * steps);
-  if (const double own = e.elastic() + e.kinetic + e.rotational;
+  // A run that came to rest has little left of what it began with.
+  auto ownOf = [](const Energies& of) { return of.elastic() + of.kinetic + of.rotational; };
+  if (const double own = std::max(ownOf(e), ownOf(first)) + std::abs(e.external - first.external);
       drift > noticedDrift * own && lost > noticedDrift * own) {
-    PetscPrintf(parts.plan->comm,
-                "  warning: that is %.2g %% of the energy that there is: external, damped and heat "
-                "lose what a step adds for a segment below %.2g %s (1e-22 of B1 T^2); motion and "
-                "energies are right\n",
-                100.0 * drift / own, 0.5 * grid, parts.plan->units.energy);
+    PetscPrintf(
+        parts.plan->comm,
+        "  warning: that is %.2g %% of the energy that there was: external, damped and heat "
+        "lose what a step adds for a segment below %.2g %s (1e-22 of B1 T^2); motion and "
+        "energies are right\n",
+        100.0 * drift / own, 0.5 * grid, parts.plan->units.energy);
     return;
   }
   if (parts.plan->settings.thermostat) return;

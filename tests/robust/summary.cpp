@@ -162,6 +162,15 @@ TEST(Summary, WarnsOfAccountsThatAreTooCoarse) {
   }
 }
 
+TEST(Summary, IsSilentOfAccountsWhereARunHasComeToRest) {
+  const Folder folder;
+  const auto outcome = run(folder,
+                           "-scene fibre -fibre_segments 20 -fibre_bend 1 -pair none "
+                           "-damping_local 0.5 -ts_max_steps 100000 -progress_interval 0");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(outcome.output.find("warning"), std::string::npos) << outcome.output;
+}
+
 TEST(Summary, FindsTheForceOfGripsThatHoldAWideAndLightPiece) {
   const Folder folder;
   const auto outcome = run(folder,
