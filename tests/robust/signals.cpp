@@ -57,9 +57,7 @@ void expectGoesOn(const Folder& folder, const Outcome& stopped, const std::strin
 Outcome alone(const Folder& folder, const std::string& options, const std::string& beside,
               const std::string& wrapper = "env --default-signal") {
   std::ofstream(folder / "script.sh")
-      << "export OMP_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1\n"
-      << "export OMPI_MCA_btl_vader_single_copy_mechanism=none\n"
-      << "export OMPI_MCA_ess_singleton_isolated=1\n"
+      << environment(folder) << '\n'
       << wrapper << " '" NANOWEFT_BINARY "' " << options << " > out.txt 2>&1 &\nPID=$!\n{ "
       << beside << "; } > beside.txt 2>&1\nwait $PID\n";
   const int status =
@@ -157,10 +155,8 @@ TEST(Signals, ACrashIsOneLine) {
 
 TEST(Signals, AReaderThatGoesAwayDoesNotEndARun) {
   const Folder folder;
-  const std::string command = "cd '" + folder.path().string() +
-                              "' && (OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-                              "OMP_NUM_THREADS=1 '" NANOWEFT_BINARY "' " +
-                              weave +
+  const std::string command = "cd '" + folder.path().string() + "' && (" + environment(folder) +
+                              "; '" NANOWEFT_BINARY "' " + weave +
                               "-ts_max_steps 50 -state_output final.h5; echo $? > status) | true";
   EXPECT_EQ(std::system(command.c_str()), 0);
   for (int k = 0; k < 600 && readFile(folder / "status").empty(); ++k) usleep(100000);

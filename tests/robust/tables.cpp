@@ -448,9 +448,9 @@ struct TwoOutcomes {
 TwoOutcomes runTwo(const Folder& folder, const std::string& options, const std::string& second) {
   const Outcome first =
       runBeside(folder, options + " -progress_interval 0.05", 1,
-                "for i in $(seq 1200); do grep -q ns/day out.txt && break; sleep 0.05; done; "
-                "OMP_NUM_THREADS=1 '" NANOWEFT_BINARY "' " +
-                    second + " > second.txt 2>&1; echo $? > status.txt; kill -USR1 $PID");
+                "for i in $(seq 1200); do grep -q ns/day out.txt && break; sleep 0.05; done; " +
+                    environment(folder, 1, "second") + "; '" NANOWEFT_BINARY "' " + second +
+                    " > second.txt 2>&1; echo $? > status.txt; kill -USR1 $PID");
   return {first, {std::stoi(readFile(folder / "status.txt")), readFile(folder / "second.txt")}};
 }
 

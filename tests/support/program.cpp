@@ -41,26 +41,15 @@ Folder::~Folder() {
 
 namespace {
 
-// Waiting threads and ranks must not spin: tests run with more of them than there are cores. Each
-// test has a session folder of its own, since Open MPI's runs that begin and end at the same time
-// take that of their user away from each other. mpirun sleeps for two seconds after each status
-// that is not 0 unless sigkill_timeout is 0. Naming the transports, shared memory or else
-// sockets as on one machine anyway, spares the search for networks: a fifth of a second each run.
 std::string launch(const Folder& folder, const std::string& start, const std::string& options,
                    int threads) {
-  const std::string session = folder.path().string() + ".mpi";
-  return "mkdir -p '" + session + "' && cd '" + folder.path().string() +
-         "' && OMPI_MCA_orte_tmpdir_base='" + session +
-         "' OMP_NUM_THREADS=" + std::to_string(threads) +
-         " OMP_WAIT_POLICY=passive OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
-         " OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none"
-         " OMPI_MCA_odls_base_sigkill_timeout=0 OMPI_MCA_pml=ob1 OMPI_MCA_btl=vader,tcp,self " +
-         start + " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
+  return "cd '" + folder.path().string() + "' && " + environment(folder, threads) + " && " + start +
+         " '" NANOWEFT_BINARY "' " + options + " > out.txt 2>&1";
 }
 
 /// How a program begins on `ranks` ranks: alone, without a launcher, where there is one.
 std::string onRanks(int ranks) {
-  if (ranks == 1) return "OMPI_MCA_ess_singleton_isolated=1 exec";
+  if (ranks == 1) return "exec";
   return "exec '" NANOWEFT_MPIEXEC "' --quiet --oversubscribe --bind-to none -n " +
          std::to_string(ranks);
 }
@@ -84,6 +73,20 @@ Outcome finish(const Folder& folder, int status) {
 }
 
 }  // namespace
+
+// Waiting threads and ranks must not spin: tests run with more of them than there are cores. mpirun
+// sleeps for two seconds after each status that is not 0 unless sigkill_timeout is 0. Naming the
+// transports, shared memory or else sockets as on one machine anyway, spares the search for
+// networks: a fifth of a second each run.
+std::string environment(const Folder& folder, int threads, const std::string& session) {
+  const std::string place = folder.path().string() + ".mpi/" + session;
+  return "mkdir -p '" + place + "' && export OMPI_MCA_orte_tmpdir_base='" + place +
+         "' OMP_NUM_THREADS=" + std::to_string(threads) +
+         " OMP_WAIT_POLICY=passive OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
+         " OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_mpi_yield_when_idle=1"
+         " OMPI_MCA_btl_vader_single_copy_mechanism=none OMPI_MCA_odls_base_sigkill_timeout=0"
+         " OMPI_MCA_pml=ob1 OMPI_MCA_btl=vader,tcp,self";
+}
 
 Outcome run(const Folder& folder, const std::string& options, int ranks, int threads) {
   return finish(folder,

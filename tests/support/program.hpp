@@ -41,6 +41,12 @@ Outcome runAfter(const Folder& folder, const std::string& first, const std::stri
 Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
                   const std::string& beside);
 
+/// Shell commands that set what every start of the program in a test needs. Open MPI's runs that
+/// begin and end at the same time take a shared session folder away from each other: each test has
+/// one of its own, and two runs of a test beside each other have two, by the name `session`.
+std::string environment(const Folder& folder, int threads = 1,
+                        const std::string& session = "first");
+
 std::string readFile(const std::string& file);
 void writeText(const std::string& file, const std::string& text);
 /// Columns of a CSV file by name; lines at its head that begin with # are left out.
