@@ -80,7 +80,7 @@ ForceField::ForceField(Settings settings, const Box& box)
       nearest_(box),
       energyUnit_(settings_.kinds.energyScale()),
       lists_({settings_.kinds, settings_.breakage, settings_.pairs, settings_.skin,
-              settings_.threads, settings_.foresees},
+              settings_.threads, static_cast<bool>(settings_.viscous), settings_.foresees},
              box),
       links_(settings_.links, settings_.kinds),
       rebuildEvent_(logEvent("NwRebuild")),
@@ -140,16 +140,24 @@ void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies&
     const PairForces::Class& between = settings_.pairs.classes()[c];
     const PairForce& force = *between.force;
     PairList& list = lists_.pairs()[c];
-    DrawnPairs& drawn = outer ? list.drawn()[thread].outer : list.drawn()[thread].inner;
+    const PairList::Parts& listed = list.threads()[thread];
+    PairList::Drawn& all = list.drawn()[thread];
+    DrawnPairs& drawn = outer ? all.outer : all.inner;
     if (tallies.margin > 0)
-      force.draw(outer ? list.threads()[thread].outer : list.threads()[thread].inner, state.pose,
-                 nearest_, tallies.margin, drawn);
+      force.draw(outer ? listed.outer : listed.inner, state.pose, nearest_, tallies.margin, drawn);
     job.drawn = &drawn;
     job.viscous = between.damps ? settings_.viscous.between(force) : ViscousDamping{};
     job.viscousSum =
         tallies.viscousPairs && (job.viscous || force.rubs()) ? viscousSums_.data() : nullptr;
     force.add(job, tallies.request.energies, tallies.pairs[thread]);
+    if (!outer)
+      all.shared.add(force, job, tallies.margin, tallies.request.energies, tallies.pairs[thread]);
   }
+}
+
+void ForceField::takeShared(std::size_t thread) {
+  for (PairList& list : lists_.pairs())
+    for (PairList::Drawn& other : list.drawn()) other.shared.giveTo(shares()[thread], sums_.data());
 }
 
 void ForceField::addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies) {
@@ -250,6 +258,8 @@ bool ForceField::addInnerPairs(State& state, Halo& halo, Tallies& tallies) {
 
 ForceOutcome ForceField::abandon(Tallies& tallies) {
   std::ranges::fill(sums_, ForceSum{});
+  for (PairList& list : lists_.pairs())
+    for (PairList::Drawn& thread : list.drawn()) thread.shared.clear();
   followed_ = std::move(tallies.bonds);
   ForceOutcome outcome;
   outcome.again = true;
@@ -277,6 +287,7 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
     const LogScope log(pairEvent_);
     onShares(shares().size(), [&](std::size_t t) {
       addPairs(state, t, true, tallies);
+      takeShared(t);
       if (request.complete) handOver(state, shares()[t].begin, shares()[t].end);
       if (tallies.viscousPairs) handOverViscous(state, shares()[t]);
     });

@@ -12,13 +12,16 @@
 namespace nanoweft {
 
 ListKeeper::ListKeeper(const Settings& settings, const Box& box)
-    : settings_(settings), nearest_(box), pairs_(settings.pairs.classes().size()) {
+    : settings_(settings), nearest_(box) {
   const double length = settings_.kinds.shortest();
   skin_ = settings_.skin > 0 ? settings_.skin : std::clamp(room(box), leastSkin(), length);
   margin_ = 0.05 * length;  // tuned from the second drawing on
-  for (const PairForces::Class& c : settings_.pairs.classes())
+  // Damping and contacts keep more of a segment than one sum of forces, and its thread keeps it.
+  for (const PairForces::Class& c : settings_.pairs.classes()) {
+    pairs_.emplace_back(!settings_.damped && !c.force->touches() && !c.force->rubs());
     if (const NearRange near = c.force->nearRange(); near.cutoff > 0)
       span_ = std::max({span_, near.span().i, near.span().j});
+  }
 }
 
 void ListKeeper::rebuild(State& state, Domain& domain) {
@@ -28,7 +31,7 @@ void ListKeeper::rebuild(State& state, Domain& domain) {
   domain.rebuild(state, range(), std::max(range(), 2.0 * settings_.kinds.longest()),
                  rebuilds_ > 0 && state.ranks() > 1 ? &work_ : nullptr);
   const CellIndex cells(state, domain.grid(), state.local());
-  // A pair of two shares is evaluated for each, so there are no more than threads that work.
+  // Pairs of two shares cost more than others, so there are no more shares than threads that work.
   shares_ =
       shareSegments(state, domain.grid(), cells, std::min(settings_.threads, teamMeter().most));
   bonds_.build(state, domain, shares_, settings_.breakage);

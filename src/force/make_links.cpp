@@ -22,9 +22,9 @@ std::vector<ListPair> places(const State& state, const ForceField& forces, doubl
     for (std::size_t t = 0; t < forces.shares().size(); ++t) {
       const Share share = forces.shares()[t];
       const auto& lists = forces.lists().pairs()[c].threads()[t];
-      for (const auto* list : {&lists.inner, &lists.outer})
+      for (const PairRuns* list : lists.all())
         list->forEach([&](const ListPair& p) {
-          if (p.i < share.begin || p.i >= share.end || state.fibre[p.i] == state.fibre[p.j]) return;
+          if (!share.holds(p.i) || state.fibre[p.i] == state.fibre[p.j]) return;
           const Vec3d d = forces.nearest()(state.position(p.j) - state.position(p.i));
           if (distanceOfPieces(d, axis1(state.orientation(p.i)), axis1(state.orientation(p.j)),
                                {0.5 * length.i, 0.5 * length.j}) <= distance)

@@ -41,7 +41,7 @@ Overlap deepestOverlap(const State& state, const ForceField& forces, double beyo
   onShares(found.size(), [&](std::size_t t) {
     for (std::size_t c = 0; c < forces.pairs().classes().size(); ++c) {
       const auto& lists = forces.lists().pairs()[c].threads()[t];
-      for (const auto* list : {&lists.inner, &lists.outer})
+      for (const PairRuns* list : lists.all())
         look(*forces.pairs().classes()[c].force, *list, found[t]);
     }
   });

@@ -124,6 +124,32 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const
   return shares;
 }
 
+/// What a thread finds. A pair of two threads' segments is taken by either one, so that one has the
+/// pairs of an odd first segment, the other those of an even one.
+struct PairList::Found {
+  const bool sharing;
+  const std::int32_t owned;
+  const Share share;
+  FoundPairs inner, across, outer, taken;
+
+  bool mine(std::int32_t i) const { return share.holds(i); }
+  /// A pair with at least one segment of the thread; `inOrder`: i comes first.
+  void add(std::int32_t i, std::int32_t j, bool inOrder) {
+    if (i >= owned || j >= owned) return outer.add(i, j, inOrder);
+    if (!sharing || mine(i) == mine(j)) return inner.add(i, j, inOrder);
+    across.add(i, j, inOrder);
+    const std::int32_t first = inOrder ? i : j;
+    if (mine(first) == (first % 2 == 1)) taken.add(i, j, inOrder);
+  }
+};
+
+void PairList::keep(const Found& found, const State& state, std::size_t thread) {
+  threads_[thread].inner.set(found.inner, state.owned());
+  threads_[thread].across.set(found.across, state.owned());
+  threads_[thread].outer.set(found.outer, state.local());
+  drawn_[thread].shared.set(found.taken, state.owned());
+}
+
 void PairList::start(const std::vector<Share>& shares) {
   shares_ = shares;
   // What was drawn before gives its memory to the pairs that are being found.
@@ -149,8 +175,7 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
     segments.set(k, order[k], state.position(order[k]));
   onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
-    auto mine = [share](int i) { return i >= share.begin && i < share.end; };
-    Parts<FoundPairs> lists;
+    Found lists{sharing_, owned, share, {}, {}, {}, {}};
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -158,7 +183,7 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
       bool arrived = false;
       for (int k = cell.begin; k < cell.end; ++k) {
         const int i = order[static_cast<std::size_t>(k)];
-        if (!mine(i)) continue;
+        if (!share.holds(i)) continue;
         if (!std::exchange(arrived, true)) {
           runsAround(where, cell.cell, around, runs);
           if (ascends) findOwn(cells, share, runs);
@@ -176,7 +201,7 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
           for (std::size_t n = 0; n < count; ++n) {
             const int j = found[n];
             const std::int64_t other = state.row[j];
-            if (!run.own && (mine(j) ? j <= i : other == row)) continue;
+            if (!run.own && (share.holds(j) ? j <= i : other == row)) continue;
             if (other - state.chain[2 * j] == start) {
               const int places = placesOn(state, i, j);
               if (std::abs(places) < exclude) {
@@ -185,13 +210,12 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
                 if (!(apart >> std::abs(places) & 1)) continue;
               }
             }
-            (j < owned ? lists.inner : lists.outer).add(i, j, row < other);
+            lists.add(i, j, row < other);
           }
         }
       }
     }
-    threads_[t].inner.set(lists.inner, owned);
-    threads_[t].outer.set(lists.outer, state.local());
+    keep(lists, state, t);
   });
 }
 
@@ -205,8 +229,7 @@ void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
     segments.set(k, order[k], state.position(order[k]));
   start(shares);
   onShares(shares.size(), [&](std::size_t t) {
-    auto mine = [share = shares[t]](int i) { return i >= share.begin && i < share.end; };
-    Parts<FoundPairs> lists;
+    Found lists{sharing_, state.owned(), shares[t], {}, {}, {}, {}};
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -219,31 +242,30 @@ void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
             segments.within(x, range2, nearest, run.begin, run.end, found.data());
         for (std::size_t n = 0; n < count; ++n) {
           const int j = found[n];
-          if (!mine(i) && !mine(j)) continue;
-          (i < state.owned() && j < state.owned() ? lists.inner : lists.outer).add(i, j, true);
+          if (lists.mine(i) || lists.mine(j)) lists.add(i, j, true);
         }
       }
     }
-    threads_[t].inner.set(lists.inner, state.owned());
-    threads_[t].outer.set(lists.outer, state.local());
+    keep(lists, state, t);
   });
 }
 
 void PairList::count(double weight, std::vector<double>& work) const {
   const auto owned = static_cast<std::int32_t>(work.size());
   for (std::size_t t = 0; t < threads_.size(); ++t)
-    for (const auto* list : {&threads_[t].inner, &threads_[t].outer})
+    for (const PairRuns* list : threads_[t].all())
       list->forEach([&](const ListPair& p) {
         for (std::int32_t k : {p.i, p.j})
           // A pair of two threads' segments stands in both threads' lists.
-          if (k < owned && k >= shares_[t].begin && k < shares_[t].end)
-            work[static_cast<std::size_t>(k)] += 0.5 * weight;
+          if (k < owned && shares_[t].holds(k)) work[static_cast<std::size_t>(k)] += 0.5 * weight;
       });
 }
 
 std::int64_t PairList::size() const {
   std::int64_t n = 0;
-  for (const auto& t : threads_) n += static_cast<std::int64_t>(t.inner.pairs() + t.outer.pairs());
+  for (std::size_t t = 0; t < threads_.size(); ++t)
+    n += static_cast<std::int64_t>(threads_[t].inner.pairs() + threads_[t].outer.pairs() +
+                                   drawn_[t].shared.pairs());
   return n;
 }
 

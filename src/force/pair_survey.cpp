@@ -17,7 +17,7 @@ ClosestPair findClosestPair(const State& state, const ForceField& forces,
     const double unit = least(force), span = half.i + half.j;
     if (!(unit > 0)) continue;
     for (const auto& thread : forces.lists().pairs()[c].threads())
-      for (const auto* list : {&thread.inner, &thread.outer})
+      for (const PairRuns* list : thread.all())
         list->forEach([&](const ListPair& p) {
           const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
           // No points of the pair are closer than this.
@@ -43,8 +43,8 @@ StrongestSum findStrongestSum(const State& state, const ForceField& forces) {
     const PairForce& force = *forces.pairs().classes()[c].force;
     const Both<double> half = force.pointSpan();
     const double deep = force.closestSensible() + half.i + half.j;
-    for (const auto& thread : forces.lists().pairs()[c].threads())
-      for (const auto* list : {&thread.inner, &thread.outer})
+    for (std::size_t t = 0; t < forces.shares().size(); ++t)
+      for (const PairRuns* list : forces.lists().pairs()[c].threads()[t].all())
         list->forEach([&](const ListPair& p) {
           const Vec3d separation = forces.nearest()(state.position(p.j) - state.position(p.i));
           if (norm(separation) >= deep) return;
@@ -52,8 +52,10 @@ StrongestSum findStrongestSum(const State& state, const ForceField& forces) {
                               .resolve(separation, state.orientation(p.i), state.orientation(p.j),
                                        {state.freeEnds(p.i), state.freeEnds(p.j)})
                               .force;
-          if (p.i < state.owned()) sums[static_cast<std::size_t>(p.i)] += f;
-          if (p.j < state.owned()) sums[static_cast<std::size_t>(p.j)] += -f;
+          // A pair of two threads' segments stands in both threads' lists.
+          const Share share = forces.shares()[t];
+          if (share.holds(p.i)) sums[static_cast<std::size_t>(p.i)] += f;
+          if (share.holds(p.j)) sums[static_cast<std::size_t>(p.j)] += -f;
         });
   }
   StrongestSum strongest{0, 0, 0};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "middle/tubes.hpp"
+#include "nanoweft/force/pair_survey.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -69,6 +70,17 @@ TEST(Forces, AreTheSameBitsOnAnyThreadsWithEnergiesOrWithout) {
   one.evaluate(true);
   three.evaluate(false);
   EXPECT_EQ(byRow(one.state), byRow(three.state));
+}
+
+TEST(Forces, OfTwoThreadsSegmentsAreResolvedOnceAndSurveyedOnce) {
+  Tubes one(1), three(3);
+  for (Tubes* tubes : {&one, &three}) tubes->evaluate();
+  EXPECT_GT(one.forces->pairsResolved(), 0);
+  EXPECT_EQ(one.forces->pairsResolved(), three.forces->pairsResolved());
+  const StrongestSum alone = findStrongestSum(one.state, *one.forces),
+                     shared = findStrongestSum(three.state, *three.forces);
+  EXPECT_GT(alone.share, 0);
+  EXPECT_NEAR(shared.share, alone.share, 1e-12 * alone.share);
 }
 
 TEST(Forces, HandedOverByAPassAreThoseOfAWholeEvaluation) {

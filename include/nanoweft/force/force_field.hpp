@@ -110,6 +110,8 @@ class ForceField {
   Tallies startTallies(const ForceRequest& request, bool viscous);
   PairJob pairJob(const State& state, std::size_t thread, bool viscous);
   void addPairs(State& state, std::size_t thread, bool outer, Tallies& tallies);
+  /// Adds what other threads have summed on a thread's segments.
+  void takeShared(std::size_t thread);
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);
   /// Adds the bonds within this rank, those of a thread's own segments unless a ForcePass has.
   void addInnerBonds(State& state, bool ownKnown, Tallies& tallies);

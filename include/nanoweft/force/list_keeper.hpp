@@ -28,6 +28,7 @@ class ListKeeper {
     const PairForces& pairs;
     double skin = 0;  ///< 0: tuned while running
     int threads = 1;
+    bool damped = false;    ///< is there viscous damping of pairs?
     bool foresees = false;  ///< ForceField::Settings
   };
   /// What the settings refer to must outlive this.

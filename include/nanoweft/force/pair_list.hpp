@@ -5,23 +5,21 @@
 /// go through the list itself, but through the pairs drawn from it with a thinner skin
 /// (pair_draw.hpp).
 ///
-/// Each thread owns a range of segments and alone sums the forces on them. A pair of two threads'
-/// segments therefore stands in both threads' lists and is resolved twice. So is a pair of two
-/// ranks' segments, with a ghost on either rank.
+/// Each thread owns a range of segments, and lists all pairs with one of them. A pair of two
+/// threads' segments therefore stands in both threads' lists. One of the two resolves it for both
+/// (shared_pairs.hpp), or each for its own segment. A pair of two ranks' segments is resolved
+/// twice, with a ghost on either rank.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "nanoweft/domain/cell_grid.hpp"
 #include "nanoweft/force/pair_force.hpp"
+#include "nanoweft/force/shared_pairs.hpp"
 #include "nanoweft/state/state.hpp"
 
 namespace nanoweft {
-
-/// The owned segments of one thread: begin <= i < end.
-struct Share {
-  std::int32_t begin = 0, end = 0;
-};
 
 /// Cuts the owned segments into one range a thread, with about equal numbers of neighbours.
 std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const CellIndex& cells,
@@ -35,6 +33,9 @@ struct KindCells {
 
 class PairList {
  public:
+  /// `sharing`: is a pair of two threads' segments resolved by one of them for both?
+  explicit PairList(bool sharing) : sharing_(sharing) {}
+
   /// Lists all pairs whose centres are within `range`. Left out are pairs of one fibre less than
   /// `exclude` places apart, unless they have been apart since a bond between them broke
   /// (State::gap).
@@ -45,23 +46,34 @@ class PairList {
   void buildMixed(const State& state, const std::vector<int>& firsts, const KindCells& others,
                   const std::vector<Share>& shares, double range);
 
-  /// A thread's pairs in two parts: inner pairs without a ghost, outer pairs with one.
-  template <class Pairs>
+  /// A thread's pairs: outer pairs have a ghost. With sharing, those with another thread's segment
+  /// stand apart from the inner ones.
   struct Parts {
-    Pairs inner, outer;
+    PairRuns inner, across, outer;
+
+    std::array<const PairRuns*, 3> all() const { return {&inner, &across, &outer}; }
   };
-  const std::vector<Parts<PairRuns>>& threads() const { return threads_; }
+  const std::vector<Parts>& threads() const { return threads_; }
   /// The pairs that steps resolve, drawn from `threads`.
-  std::vector<Parts<DrawnPairs>>& drawn() { return drawn_; }
+  struct Drawn {
+    DrawnPairs inner, outer;
+    SharedPairs shared;  ///< of those across
+  };
+  std::vector<Drawn>& drawn() { return drawn_; }
+  /// How many pairs are resolved, if all are near enough.
   std::int64_t size() const;
   /// Adds half of `weight` to work[i] for each listed pair that the owned segment i is in.
   void count(double weight, std::vector<double>& work) const;
 
  private:
+  struct Found;
   void start(const std::vector<Share>& shares);
+  /// Keeps what a thread has found.
+  void keep(const Found& found, const State& state, std::size_t thread);
 
-  std::vector<Parts<PairRuns>> threads_;
-  std::vector<Parts<DrawnPairs>> drawn_;
+  bool sharing_;
+  std::vector<Parts> threads_;
+  std::vector<Drawn> drawn_;
   std::vector<Share> shares_;
 };
 

@@ -30,7 +30,7 @@ void forEachPair(const State& state, const ForceField& forces, std::size_t threa
     const PairForce& force = *forces.pairs().classes()[c].force;
     const double reach2 = force.reach() * force.reach();
     const auto& lists = forces.lists().pairs()[c].threads()[thread];
-    for (const auto* list : {&lists.inner, &lists.outer})
+    for (const PairRuns* list : lists.all())
       list->forEach([&](const ListPair& p) {
         if (const Vec3d d = separationOf(state, forces, p.i, p.j); dot(d, d) < reach2)
           visit(force, p, d);
