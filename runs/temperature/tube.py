@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
-from nanoweft import states  # noqa: E402
+from nanoweft import snapshots, states  # noqa: E402
 from nanoweft.beams import TUBE  # noqa: E402
 from nanoweft.problems import Unusable, command  # noqa: E402
 from nanoweft.rotations import matrices  # noqa: E402
@@ -25,7 +25,7 @@ def main() -> None:
     parser.add_argument("folder", metavar="FOLDER", type=pathlib.Path)
     folder = parser.parse_args().folder
     squares = []
-    for file in sorted(folder.glob("tube_*.h5"))[BEGIN:]:
+    for file in snapshots.of_run(folder, "tube")[BEGIN:]:
         state = states.read(file)
         axes = matrices(state["orientation"])[:, :, 0]
         same = np.diff(state["fibre"]) == 0

@@ -34,6 +34,7 @@ class SnapshotWriter : public Observer {
   void observe(const Moment& moment) override {
     if (isDue(moment, interval_)) write(moment);
   }
+  void summarise(const Moment&) const override { snapshots_->warnOfOthers(); }
 
  private:
   Snapshots::Setting setting(const OutputContext& context) const {

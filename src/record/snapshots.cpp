@@ -254,6 +254,22 @@ void Snapshots::write(State& state, const UnitSystem& units, const RunRecord& ru
   writeIndex();
 }
 
+void Snapshots::warnOfOthers() const {
+  // Without -overwrite the run would not have begun among them.
+  if (!index_ || !setting_.rule.overwrite) return;
+  std::vector<std::string> others = numberedFiles(setting_.name, setting_.restartStep, anyStep);
+  std::erase_if(others, [&](const std::string& file) {
+    const auto theirs = provenanceIn(file);
+    return !theirs || setting_.owns(*theirs);
+  });
+  if (others.empty()) return;
+  PetscPrintf(PETSC_COMM_SELF,
+              "warning: snapshots of another run are still there, since -overwrite replaces those "
+              "of the same steps alone: %s%s (%zu of them; %s.xdmf lists this run's own)\n",
+              others.front().c_str(), others.size() > 1 ? (" to " + others.back()).c_str() : "",
+              others.size(), setting_.name.c_str());
+}
+
 void Snapshots::writeIndex() {
   std::string problem;
   if (index_) {

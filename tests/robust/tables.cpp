@@ -532,6 +532,23 @@ TEST(SnapshotFiles, AnIndexOfAnotherRunIsReplacedOnlyWhenAsked) {
   EXPECT_EQ(readFile(folder / "st.xdmf"), own);
 }
 
+TEST(SnapshotFiles, OfAnotherRunThatStayAreNamed) {
+  const Folder folder;
+  const std::string warning = "warning: snapshots of another run are still there";
+  expectDone(run(folder, frames + "-ts_max_steps 60"));
+  const std::string other = frames + "-damping_local 0.1 -overwrite -ts_max_steps ";
+  Outcome outcome = run(folder, other + "40 -checkpoint_file c.h5", 2);
+  expectDone(outcome);
+  EXPECT_NE(outcome.output.find(warning), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("st_0000000050.h5 to st_0000000060.h5 (2 of them"),
+            std::string::npos)
+      << outcome.output;
+  // Nothing is left of the other run; what a restart goes on from is its own.
+  outcome = run(folder, other + "60 -restart c.h5 -ts_dt 12");
+  expectDone(outcome);
+  EXPECT_EQ(outcome.output.find(warning), std::string::npos) << outcome.output;
+}
+
 TEST(SnapshotFiles, ARestartListsThoseOfItsRunUpToItsStep) {
   const Folder folder, straight;
   expectDone(run(straight, frames + "-ts_max_steps 60"));

@@ -211,6 +211,37 @@ class Report(FolderTest):
                           for wide, tilt in ((300, 0), (400, 120))])
         self.assertEqual(self.open(name, "frame=1")[0]["frame"], "1")
 
+    def test_what_another_run_left_in_a_series_is_no_part_of_it(self):
+        """-overwrite replaces snapshots of the same steps alone; a restart goes on with others'."""
+        base = (" -weave_fibres 2,2 -weave_segments 12 -snapshot_interval 10 -checkpoint_file c.h5"
+                " -damping_local 0.%d -ts_dt 10 -ts_max_steps %d")
+        self.simulate(nanoweft, base % (3, 60))
+        files = self.simulate(nanoweft, base % (1, 30) + " -overwrite")
+        self.assertEqual(len(files), 7)
+        index = self.path("frame.xdmf")
+        for copied in False, True:
+            if copied:  # all dates lost but not the index
+                for file in reversed(files):
+                    os.utime(file, (1e9, 1e9))
+            else:
+                os.rename(index, index + "_")
+            series, = self.data(self.make()[1])["series"]
+            self.assertEqual([frame["step"] for frame in series["frames"]], [0, 10, 20, 30])
+            self.assertIn("frame_0000000040.h5 to frame_0000000060.h5: 3 snapshots of another run",
+                          self.make()[1])
+            if not copied:
+                os.rename(index + "_", index)
+        for script, *arguments in (("analyse", "--what", "crimp"), ("bundles",), ("breaks",),
+                                   ("shares",), ("render", "-o", self.path("m.gif")),
+                                   ("export", "-o", self.path("m.xyz"))):
+            done = self.run_program(os.path.join(scripts, script), *files, *arguments)
+            self.assertIn(f"{script}: warning: {files[4]} to frame_0000000060.h5: 3 snapshots of"
+                          " another run than those beside them", done.stderr)
+        self.simulate(nanoweft, base % (1, 60) + " -overwrite -restart c.h5 -ts_dt 5")
+        series, = self.data(self.make()[1])["series"]
+        self.assertEqual(len(series["frames"]), 7)
+        self.assertNotIn("another run", self.make()[1])
+
     def test_times_of_curves_are_those_of_the_table(self):
         time = np.array([0.0, 1234567.8])
         given = scene.points(time, time, time, None, ("", "", "", ""))

@@ -41,6 +41,8 @@ class Snapshots {
   /// Throws RunError. Collective.
   void write(State& state, const UnitSystem& units, const RunRecord& run,
              std::vector<SegmentField> fields);
+  /// Warns of snapshots of another run that stand beside those written here. On rank 0 alone.
+  void warnOfOthers() const;
 
   /// Could `file` be one of the files that snapshots of this name make?
   static bool makes(const std::string& name, const std::string& file);

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .. import tables
+from .. import snapshots, tables
 from ..problems import Unusable
 from ..states import LEFT_GRIP, RIGHT_GRIP, StateFile
 from ..tables import Table
@@ -65,7 +65,10 @@ def survey(path: pathlib.Path) -> Folder:
     folder = Folder(path)
     groups: dict[str, list[Header]] = {}
     singles: list[Header] = []
-    for file in sorted(path.glob("*.h5")):
+    files = sorted(path.glob("*.h5"))
+    others = snapshots.left(files)
+    folder.unusable += map(snapshots.named, others)
+    for file in sorted(set(files).difference(*others)):
         try:
             found = header(file)
         except Unusable as problem:
