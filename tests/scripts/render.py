@@ -52,6 +52,15 @@ class Render(FolderTest):
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
+    def test_a_view_past_everything_is_said(self):
+        write_state(self.path("in.h5"), [straight((0, 0, 0), (1, 0, 0), 20)])
+        done = self.render("in.h5", "--zoom", "8", "--center", "0,200")
+        self.assertEqual((done.returncode, done.stdout), (0, "in.png\n"))
+        self.assertEqual(done.stderr, "render: warning: in.h5: nothing of it is in view; "
+                                      "it reaches from 0,0,0 to 257.6,0,0\n")
+        # A segment's edge is enough.
+        self.draw("in.h5", "--zoom", "8", "--center", "0,5", "--size", "600x300")
+
     def test_tubes_are_as_thick_and_long_as_they_should(self):
         write_state(self.path("in.h5"), [straight((0, 0, 0), (1, 0, 0), 20)])
         # All of it fills 96 % of the width.

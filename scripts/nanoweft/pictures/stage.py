@@ -104,6 +104,7 @@ class Stage:
         self.lengths = rest_lengths(state, tubes, options.length)
         self.given = options.radius
         self.solids = [(np.array(row[:3]), np.array(row[-4:-1]), row[-1]) for row in options.solids]
+        self.unseen: list[str] = []  # files of which a panel shows nothing, and where they are
         self.usual = 6.78 if self.units == "nano" else 0.5 * float(self.lengths.min())
         self.masks = np.array([], int)  # of the groups of all files
         self.survey(files, options.limits)
@@ -217,6 +218,13 @@ class Stage:
                              + [0, 0, lift * (end[2] - self.floor)])[None] for end in ends)
             extras.append(Extra(a_end, b_end, np.array([wide * fine]), colours.SOLID))
         tubes = with_extras((a, b, tangent, radius[first], light.linear(tint.tubes)), extras)
+        a, b, _, radius, _ = tubes
+        wide, size = radius[:, None], np.array([layout.width, layout.height]) * sampling
+        if not ((np.maximum(a, b)[:, :2] > -wide) & (np.minimum(a, b)[:, :2] < size + wide)
+                ).all(axis=1).any():
+            low, high = (",".join(f"{x:.4g}" for x in corner)
+                         for corner in (position.min(axis=0), position.max(axis=0)))
+            self.unseen.append(f"{name}: nothing of it is in view; it reaches from {low} to {high}")
         level, tilt = self.ground(fine, shift, seen)
         scene = light.Scene(*tubes, light.linear(to_rgb(self.paper)),
                             (thin, thick), level, tilt)
