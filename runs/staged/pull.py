@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
-from nanoweft import problems, runs, tables  # noqa: E402
+from nanoweft import options, problems, runs, states, tables  # noqa: E402
 from nanoweft.pictures import curve  # noqa: E402
 
 GRIP, STEP, STAGES = 40.0, 0.005, 16  # A; strain of a stage
@@ -41,13 +41,17 @@ def pulled(results: pathlib.Path) -> tuple[float, np.ndarray]:
     """First distance of the ends, A; force, eV/A, energy, eV, and steps of each stage."""
     start, rest, rows = results / "start.h5", results / "rest.h5", []
     shutil.copy(results / "relaxed.h5", start)
+    # The fibres and links are those that were tied.
+    given = options.parse(str(states.read(start).run.get("options", "")))
+    more = options.words({name: value for name, value in given.items() if not name.startswith(
+        ("scene", "weave_", "links_", "relax_", "ts_", "bc", "left_", "right_"))})
     length = mark_ends(start)
     for stage in range(STAGES + 1):
         if stage:
             shutil.copy(rest, start)
             stretch(start, STEP * length)
         done = runs.run(["-scene", "file", "-scene_file", str(start), "-scene_file_edited",
-                         *OPTIONS, "-group_monitor", f"ascii:{results}/groups.csv",
+                         *more, *OPTIONS, "-group_monitor", f"ascii:{results}/groups.csv",
                          "-energy_monitor", f"ascii:{results}/stage.csv",
                          "-state_output", str(rest)])
         if done.returncode:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +30,16 @@ class Tube:
         self.rho = self.m / length
         self.B1, self.B2, self.B4 = self.ES / length, 12 * self.EJ / length, self.GJp / length
         self.B3 = -2 * self.EJ / length - self.GJp / (2 * length)
+
+    @classmethod
+    def of(cls, run: Mapping[str, Any]) -> Tube:
+        """The fibre (of the first kind) that a state's run had."""
+        tube = cls()
+        (tube.radius, tube.T, tube.m, tube.I,
+         tube.B1, tube.B2, tube.B3, tube.B4) = np.ravel(run["fibre"])[:8].tolist()
+        tube.ES, tube.GJp = tube.B1 * tube.T, tube.B4 * tube.T
+        tube.EJ, tube.rho = -(tube.B3 + tube.B4 / 2) * tube.T / 2, tube.m / tube.T
+        return tube
 
 
 TUBE = Tube()

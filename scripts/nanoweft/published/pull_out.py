@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pathlib
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,12 +52,12 @@ def start(file: states.Path, tubes: int) -> None:
     states.write(file, state)
 
 
-def pulled(folder: pathlib.Path, tubes: int) -> tuple[Array, Array]:
-    """Way of the pulled end, A, and its force, eV/A."""
+def pulled(folder: pathlib.Path, tubes: int, more: Sequence[str] = ()) -> tuple[Array, Array]:
+    """Way of the pulled end, A, and its force, eV/A, with `more` options."""
     start(folder / f"bundle_{tubes}.h5", tubes)
     done = runs.run(["-options_file", str(OPTIONS), "-scene_file", f"{folder}/bundle_{tubes}.h5",
                      "-group_monitor", f"ascii:{folder}/groups_{tubes}.csv",
-                     "-state_output", f"{folder}/pulled_{tubes}.h5"])
+                     "-state_output", f"{folder}/pulled_{tubes}.h5", *more])
     if done.returncode:
         raise RunFailed(f"{tubes} tubes: {done.stderr.strip() or done.stdout.strip()}")
     return force(folder / f"groups_{tubes}.csv")
