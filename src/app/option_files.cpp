@@ -168,6 +168,9 @@ class Collector {
     name = "-" + prefix + name.substr(1);
     if (const auto it = aliases_.find(lower(name)); it != aliases_.end()) name = it->second;
     if (!isOptionName(name)) refuse(where, "'" + shown(name) + "' is no option");
+    // The files that it leaves out come before all others.
+    if (same(name, "-skip_petscrc") && !where.empty())
+      refuse(where, "-skip_petscrc counts on the command line only");
     options_.list.push_back({name, word ? std::optional(word->text) : std::nullopt});
   }
 

@@ -286,6 +286,13 @@ TEST(Sources, ErrorsNameTheEnvironment) {
     const Environment options("PETSC_OPTIONS", "-state_output 'open");
     expectRefused(run(folder, fibre), {"PETSC_OPTIONS: ", "quote"});
   }
+  {
+    const Environment options("PETSC_OPTIONS", "-skip_petscrc");
+    expectRefused(run(folder, fibre), {"PETSC_OPTIONS: -skip_petscrc", "command line only"});
+  }
+  writeText(folder / "run.opts", "-skip_petscrc\n");
+  expectRefused(run(folder, fibre + " -options_file run.opts"),
+                {"run.opts: line 1: -skip_petscrc"});
   const Environment yaml("PETSC_OPTIONS_YAML", "ts_dt");
   expectRefused(run(folder, fibre), {"PETSC_OPTIONS_YAML: line 1"});
 }
