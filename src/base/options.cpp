@@ -4,9 +4,11 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "nanoweft/base/canonical.hpp"
 #include "nanoweft/base/error.hpp"
@@ -70,11 +72,11 @@ bool parseFlag(const std::string& name, std::string text) {
   throw InputError(format("-%s '%s': expected true or false (1 or 0)", name.c_str(), text.c_str()));
 }
 
-std::vector<std::string> split(const std::string& text) {
+std::vector<std::string> split(const std::string& text, char separator = ',') {
   std::vector<std::string> parts;
   std::size_t begin = 0;
   while (begin <= text.size()) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
     parts.push_back(text.substr(begin, end - begin));
     begin = end + 1;
   }
@@ -123,6 +125,48 @@ auto shownValue(const std::string& shown, const Parse& parse)
   } catch (const InputError&) {
     return std::nullopt;
   }
+}
+
+/// The name that differs least, in at most a quarter of the word's letters: short words are alike
+/// by chance.
+std::string nearest(const std::vector<std::string>& names, const std::string& word) {
+  int best = static_cast<int>(word.size() / 4) + 1;
+  std::string found;
+  for (const std::string& name : names)
+    if (const int d = editDistance(word, name); d < best) {
+      best = d;
+      found = name;
+    }
+  return found;
+}
+
+/// Has the name all parts of the word, in whatever order (-strain_max), or their beginnings?
+bool hasParts(const std::string& name, const std::string& word) {
+  const auto parts = split(name, '_');
+  return std::ranges::all_of(split(word, '_'), [&](const std::string& wanted) {
+    return std::ranges::any_of(parts, [&](const std::string& part) {
+      // One or two letters begin too many words.
+      return wanted.size() > 2 ? part.starts_with(wanted) : part == wanted;
+    });
+  });
+}
+
+/// Known names that an unknown one may mean, at most three, or none.
+std::vector<std::string> alike(const std::vector<std::string>& names, const std::string& word) {
+  if (const std::string name = nearest(names, word); !name.empty()) return {name};
+  std::vector<std::string> found;
+  std::ranges::copy_if(names, std::back_inserter(found),
+                       [&](const std::string& name) { return hasParts(name, word); });
+  std::ranges::stable_sort(found, {}, [&](const std::string& name) {
+    return std::pair(!name.starts_with(word), name.size());
+  });
+  found.resize(std::min<std::size_t>(found.size(), 3));
+  // Behind the names of kinds.
+  for (std::size_t at = word.find('_'); found.empty() && at < word.size();
+       at = word.find('_', at + 1))
+    if (const std::string name = nearest(names, word.substr(at + 1)); !name.empty())
+      found.push_back(name);
+  return found;
 }
 
 }  // namespace
@@ -179,26 +223,28 @@ void Options::refuseUnknown() const {
   char** names;
   char** values;
   petsc(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  std::vector<std::string> known;
+  for (const Topic& topic : topics_)
+    for (const Entry& e : topic.entries) known.push_back(e.name);
   std::string problem;
   for (PetscInt i = 0; i < count && problem.empty(); ++i) {
-    const std::string_view name = names[i];
+    const std::string name = names[i];
     if (belongsToPetsc(name)) continue;
-    const Entry* nearest = nullptr;
-    int best = 1000;
-    for (const Topic& topic : topics_)
-      for (const Entry& e : topic.entries)
-        if (const int d = editDistance(name, e.name); d < best) {
-          best = d;
-          nearest = &e;
-        }
     problem = format("unknown option -%s", names[i]);
     const auto suffix = std::ranges::find_if(boundarySuffixes,
                                              [&](std::string_view e) { return name.ends_with(e); });
-    if (suffix != std::end(boundarySuffixes) && best > 2)
+    if (suffix != std::end(boundarySuffixes) && nearest(known, name).empty()) {
       problem += format("; a boundary condition must be named: -bc %s",
-                        std::string(name.substr(0, name.size() - suffix->size())).c_str());
-    else if (nearest)
-      problem += format("; the nearest known one is -%s", nearest->name.c_str());
+                        name.substr(0, name.size() - suffix->size()).c_str());
+      continue;
+    }
+    const auto meant = alike(known, name);
+    for (const std::string& option : meant)
+      problem += (&option != &meant[0] ? ", -"
+                  : meant.size() == 1  ? "; the nearest known one is -"
+                                       : "; known ones like it: -") +
+                 option;
+    if (meant.empty()) problem += "; -help lists all";
   }
   petsc(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   for (const auto& [name, reason] : leftOut_)
