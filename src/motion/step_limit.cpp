@@ -160,6 +160,37 @@ double slowest(const Kinds& kinds) {
   return longest;
 }
 
+/// A segment beside an endless parallel fibre, at the distance d of their axes, whose segments
+/// repeat after `period`.
+PairAction besideLine(const PairForce& force, double d, double period) {
+  PairAction sum;
+  const int images = static_cast<int>(force.reach() / period) + 1;
+  for (int k = -images; k <= images; ++k) {
+    const PairAction one =
+        force.average(force.points().near, {k * period, d, 0}, {1, 0, 0}, {1, 0, 0});
+    sum.energy += one.energy;
+    sum.force += one.force;
+  }
+  return sum;
+}
+
+/// Largest stiffness of such a segment between rest and where fibres come that fall together from
+/// afar: there the pair has its energy back. Fibres that do not attract each other come as deep as
+/// a twentieth of the thinner one's radius.
+double pressedStiffness(const PairForce& force, double period) {
+  const double rest = force.restDistance(), step = 0.005 * (rest - force.closestSensible()),
+               thinner = std::min(force.radius().i, force.radius().j);
+  const bool attracts = besideLine(force, rest, period).energy < 0;
+  double stiffest = 0, before = besideLine(force, rest, period).force.y;
+  for (int k = 1; k < 200; ++k) {
+    const PairAction at = besideLine(force, rest - k * step, period);
+    stiffest = std::max(stiffest, (before - at.force.y) / step);
+    before = at.force.y;
+    if (attracts ? at.energy >= 0 : k * step >= 0.05 * thinner) break;
+  }
+  return stiffest;
+}
+
 }  // namespace
 
 double presentStepLimit(State& state, ForceField& forces, Halo& halo) {
@@ -229,12 +260,18 @@ double bundleStepLimit(const Kinds& kinds, const PairForces& pairs) {
   for (int k = 0; k < kinds.count(); ++k) {
     const double chain = chainStepLimit(kinds[k]), retardation = kinds[k].retardation;
     lowest = std::min(lowest, withViscosity(chain, retardation));
+    // Pressed along its whole length, a segment turns with K T^2/12 as well.
+    const double length = kinds[k].length,
+                 turning = std::max(1.0, kinds[k].mass * length * length / 12 / kinds[k].inertia);
     for (int other = 0; other < kinds.count(); ++other) {
       double contact = 0;  // laws add, and so do their stiffnesses
       for (const auto& c : pairs.classes()) {
+        if (!c.between(k, other)) continue;
         const Both<int> n = c.force->points().near;
-        if (c.between(k, other))
-          contact += c.force->sticking() * c.force->contactStiffness() / std::max(n.i, n.j);
+        double stiffness = c.force->contactStiffness() / std::max(n.i, n.j);
+        if (!c.force->touches() && c.force->keepsApart())
+          stiffness = std::max(stiffness, pressedStiffness(*c.force, kinds[other].length));
+        contact += turning * c.force->sticking() * stiffness;
       }
       if (!(contact > 0)) continue;
       const double pressed = 2.0 / std::sqrt(4.0 / (chain * chain) + 6.0 * contact / kinds[k].mass),

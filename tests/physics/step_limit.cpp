@@ -302,6 +302,34 @@ TEST(StepLimit, ForPressedFibresAddsTheStiffnessesOfTheirLaws) {
   EXPECT_NEAR((raised("vdw") + raised(contact)) / both, 1.0, 0.01);
 }
 
+/// Long segments turn where they are pressed, and many points do not make a line softer.
+TEST(StepLimit, OfLongSegmentsOrManyPointsHoldsForABundleThatFallsTogether) {
+  for (const char* bundle :
+       {"-bundle_segments 10 -bundle_gap 19 -fibre_segment_length 54.24 -ts_max_steps 300",
+        "-bundle_segments 8 -bundle_gap 88 -fibre_preset amyloid -pair vdw -pair_points 30 "
+        "-pair_far_points 3 -ts_max_steps 700"}) {
+    const auto outcome = run(Folder(), std::string("-scene bundle -bundle_fibres 19 ") + bundle);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+  }
+}
+
+/// Contacts of long segments that overlap by a twentieth of a radius: the pressed limit is theirs.
+TEST(StepLimit, OfPressedLongSegmentsIsThatOfTheOverlapItNames) {
+  const auto outcome = run(Folder(),
+                           "-scene bundle -bundle_fibres 19 -bundle_segments 6 -bundle_gap 78 "
+                           "-fibre_preset amyloid -pair contact -pair_allow_overlap "
+                           "-fibre_segment_length 800 -ts_max_steps 1");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  double now = 0, chain = 0, pressed = 0;
+  const auto at = outcome.output.find("stable below ");
+  ASSERT_NE(at, std::string::npos) << outcome.output;
+  ASSERT_EQ(
+      std::sscanf(outcome.output.c_str() + at,
+                  "stable below %lf now, %lf for a free chain, about %lf", &now, &chain, &pressed),
+      3);
+  EXPECT_NEAR(pressed / now, 1.0, 0.02);
+}
+
 TEST(StepLimit, OfFreeAndPressedChainsCountsTheirViscosity) {
   const Folder folder;
   auto limits = [&](const std::string& options) {

@@ -37,7 +37,9 @@ double chainStepLimit(const Fibre& fibre);
 
 /// Limit of chains pressed together in hexagonal bundles: the chain's omega^2 plus that of the
 /// contacts, 6 K/m with K the contact stiffness of two parallel segments, the sum of those of all
-/// laws between them, and the viscosity of the chain. The lowest of all kinds.
+/// laws between them, and the viscosity of the chain. A segment longer than its fibre is thick
+/// turns faster than it moves, by m T^2/(12 I). K is that of aligned points in full repulsion, or
+/// of a line as deep as fibres come that fall together, whichever is more. The lowest of all kinds.
 double bundleStepLimit(const Kinds& kinds, const PairForces& pairs);
 /// The lowest limit of the kinds' free chains, with their viscosity.
 double chainStepLimit(const Kinds& kinds);
