@@ -90,7 +90,25 @@ class Rods(FolderTest):
         self.assertEqual(contacts.max(), 4)
 
 
+class Buckypaper(unittest.TestCase):
+    def test_numbers_of_lots_have_their_error_and_are_not_told_where_it_is_larger(self) -> None:
+        lots = [[buckypaper.Leg(0.8, 1e-3, modulus, 0.5 * modulus)] for modulus in (0.1, -0.3, 0.3)]
+        mean, error = buckypaper.mean(lots)
+        self.assertAlmostEqual(error[0, 2], np.sqrt(0.28 / 9), delta=1e-12)
+        self.assertEqual(buckypaper.shown(mean[0, 2], error[0, 2], 2), "not told from 0")
+        self.assertEqual(buckypaper.shown(mean[0, 1], error[0, 1], 3), "0.001 +- 0.000")
+        alone, unknown = buckypaper.mean(lots[:1])
+        self.assertEqual(buckypaper.shown(alone[0, 2], unknown[0, 2], 2), "0.10")
+        self.assertEqual(len(buckypaper.mean([*lots, []])[0]), 0)
+
+    def test_a_power_of_the_solid_share_has_the_errors_of_both_its_ends(self) -> None:
+        exponent, error = buckypaper.power(np.array([0.75, 0.5]), np.array([0.1, 1.6]),
+                                           np.array([0.003, 0.064]))
+        self.assertAlmostEqual(exponent, 4, delta=1e-12)
+        self.assertAlmostEqual(error, 0.05 / np.log(2), delta=1e-12)
+
+
 if __name__ == "__main__":
     sys.path.insert(0, sys.argv[1])
-    from nanoweft.published import insulin, pull_out, rods, self_folding, windings
+    from nanoweft.published import buckypaper, insulin, pull_out, rods, self_folding, windings
     unittest.main(argv=sys.argv[:1])

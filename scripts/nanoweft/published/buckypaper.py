@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pathlib
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -61,3 +62,27 @@ def legs(table: pathlib.Path) -> list[Leg]:
         found.append(Leg(float(porosity(height[0])), float(stress[rest]), float(-across),
                          float(beside / across)))
     return found
+
+
+def mean(lots: Sequence[Sequence[Leg]]) -> tuple[Array, Array]:
+    """Mean of lots pressed alike, and its standard error, which one lot does not tell: a row for
+    each leg that all have."""
+    legs = min(map(len, lots))
+    every = np.array([lot[:legs] for lot in lots]).reshape(len(lots), legs, len(Leg._fields))
+    error = (every.std(axis=0, ddof=1) / math.sqrt(len(lots)) if len(lots) > 1
+             else np.full(every.shape[1:], math.nan))
+    return every.mean(axis=0), error
+
+
+def shown(value: float, error: float, digits: int) -> str:
+    """A mean with its error, if that is known and less."""
+    if error >= abs(value):
+        return "not told from 0"
+    return f"{value:.{digits}f}" + ("" if math.isnan(error) else f" +- {error:.{digits}f}")
+
+
+def power(porosity: Array, modulus: Array, error: Array) -> tuple[float, float]:
+    """Exponent of the solid share between two moduli, and its error."""
+    width = math.log((1 - porosity[1]) / (1 - porosity[0]))
+    return (math.log(modulus[1] / modulus[0]) / width,
+            math.hypot(*(error / modulus)) / width)
