@@ -97,11 +97,14 @@ void printPairForce(MPI_Comm comm, const PairForces::Class& c, const Kinds& kind
   }
   if (!c.mixed()) {
     const auto error = expectedForceErrors(p, a);
-    rest = format(", expected force error %s; within a fibre from %d segments (%.5g %s) on",
+    // A law without a gap repels from where fibres touch; its error is that of an overlap.
+    const bool soft = p.restDistance() <= a.diameter();
+    rest = format(", expected force error %s%s; within a fibre from %d segments (%.5g %s) on",
                   error ? format("%.2g %% (bundle), %.2g %% (crossing)", 100 * error->bundle,
                                  100 * error->crossing)
                               .c_str()
                         : "not estimated",
+                  error && soft ? " at an overlap of a tenth of a radius, more at less" : "",
                   p.exclude(), p.exclude() * a.length, units.length);
   }
   PetscPrintf(comm, "    %s points a segment%s%s\n", pointsOf(points.near, a, b).c_str(),

@@ -34,7 +34,13 @@ PointChoice pointsByAccuracy(double accuracy, const Fibre& fibre, double rest, d
           "-pair_accuracy %g: the errors of this law can't be estimated, since it only attracts or "
           "is very wide or narrow beside a segment; give -pair_points instead",
           accuracy));
-    if (!found || near == mostPairPoints)
+    if (!found)
+      throw InputError(
+          format("-pair_accuracy %g: not reached with %d points on a segment, and more "
+                 "take too long to estimate; give -pair_points, or take shorter "
+                 "segments",
+                 accuracy, near - 1));
+    if (near == mostPairPoints)
       throw InputError(format(
           "-pair_accuracy %g: not reached with %d points on a segment; take shorter segments",
           accuracy, near));

@@ -201,19 +201,27 @@ void readAccuracy(PairReader& read, std::optional<double>& accuracy) {
   read.accuracy = accuracy;
 }
 
-PairChoice readChoice(const PairReader& read) {
+/// Up to this distance of axes over their gap, both at rest, single precision has no more error
+/// than doubles have; a (10,10) tube has 4.6.
+constexpr double mostOverGap = 30;
+
+/// `rest`: distance of axes at rest by the law vdw.
+PairChoice readChoice(const PairReader& read, double rest) {
   OptionSection s(read.options, topic, !read.is("none"), "-pair is none");
   PairChoice choice;
   choice.length = {read.a.length, read.b.length};
   OptionSection ofVdw = read.of("vdw");
-  // Its error is a millionth, the least accuracy that may be asked for.
-  const bool enough = read.accuracy && !read.mixed() && read.is("vdw") && singlePrecisionPays();
+  // Its error is a millionth, the least accuracy that may be asked for, unless the repulsion of
+  // fibres far thicker than their gap begins on a steep part of the table.
+  const bool enough = read.accuracy && !read.mixed() && read.is("vdw") && singlePrecisionPays() &&
+                      rest <= mostOverGap * (rest - read.touch());
   choice.single =
       ofVdw.choice(
           "pair_precision", enough ? "single" : "double", {"double", "single"},
           "of the law's values and of their sums over a pair's points, in double always for "
           "more than 9 points and between segments of different lengths; with -pair_accuracy "
-          "single where the build is for AVX-512") == "single";
+          "single where the build is for AVX-512 and fibres are at most 30 times as far apart as "
+          "their surfaces") == "single";
   if (choice.single && !singlePrecisionPays())
     throw InputError(
         "-pair_precision single: needs a build for AVX-512 (-DNANOWEFT_ARCH=x86-64-v4 or native "
@@ -260,6 +268,12 @@ std::unique_ptr<PairForce> makeVdw(const PairReader& read, const VdwParameters& 
                                   p.switchFrom - read.touch(), law.restDistance() - read.touch(),
                                   read.units.length));
   const char *length = read.units.length, *energy = read.units.energy;
+  if (const double least = Vdw(p).leastStiffness(); p.smooth && p.stiffness < least)
+    throw InputError(format(
+        "%s %g: softer than the law itself where fibres rest, so its repulsion would replace "
+        "the well; take %.4g %s/%s^2 at least, or %s kink",
+        read.option("vdw_stiffness").c_str(), p.stiffness, least, energy, length,
+        read.option("vdw_splice").c_str()));
   const std::string taken =
       read.mixed() ? "" : format(", which takes %.2g %% of a bundle's cohesion", 100 * lost);
   const std::string description = format(
@@ -334,8 +348,8 @@ std::unique_ptr<PairForce> makeWithPoints(const PairReader& read, const PointNee
 std::vector<std::unique_ptr<PairForce>> readOne(PairReader& read, OwnLaw& law) {
   readChosen(read, law.chosen);
   readAccuracy(read, law.accuracy);
-  PairChoice choice = readChoice(read);
   VdwParameters vdw = readVdw(read, law.vdw);
+  PairChoice choice = readChoice(read, restOf(vdw) * vdw.length);
   const GivenRange range = readRange(read);
   readVdwRange(read, range, vdw);
   law.vdw = vdw;

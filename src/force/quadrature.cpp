@@ -210,6 +210,13 @@ std::vector<std::string> pointWarnings(const PairForce& pair, const Fibre& a, co
                                        const UnitSystem& units) {
   std::vector<std::string> warnings;
   addPointWarnings(a, pair.points().near.i, pair, units, warnings);
+  const double apart = pair.exclude() * a.length - 2.0 * pair.pointSpan().i;
+  if (&a == &b && pair.keepsApart() && apart < pair.restDistance())
+    warnings.push_back(format(
+        "-pair_exclude %d: within a straight fibre, too, segments so near repel each other, so it "
+        "stretches; take %d at least",
+        pair.exclude(),
+        static_cast<int>(std::ceil((pair.restDistance() + 2.0 * pair.pointSpan().i) / a.length))));
   if (&a != &b) addPointWarnings(b, pair.points().near.j, pair, units, warnings);
   // Within one kind the error that the header expects tells. From where the far part begins, it is
   // as wide as a law with that gap.

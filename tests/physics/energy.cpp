@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nanoweft/base/floats.hpp"
 #include "support/program.hpp"
 #include "support/state_edit.hpp"
 
@@ -191,6 +192,36 @@ TEST(Energy, TensionWithBreakageIsAudited) {
   }
   EXPECT_LT(errors[0], 0.02);
   EXPECT_LT(errors[1], 0.5 * errors[0]);
+}
+
+/// What the header says about the sum over points.
+std::string saidOf(const std::string& options) {
+  const auto outcome = run(Folder(), "-scene fibre -fibre_segments 40 -ts_max_steps 0 " + options);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  return outcome.output;
+}
+
+TEST(ForceError, OfASoftLawIsThatOfTheOverlapThatItNames) {
+  const std::string named = "at an overlap of a tenth of a radius";
+  EXPECT_NE(saidOf("-fibre_preset amyloid -pair hertz -hertz_stiffness 1e-5").find(named),
+            std::string::npos);
+  EXPECT_EQ(saidOf("").find(named), std::string::npos);
+}
+
+TEST(ForceError, OfFibresFarThickerThanTheirGapIsKeptInDoubles) {
+  const std::string thick = saidOf(
+      "-fibre_preset mwcnt_1000_900 -fibre_segment_length 60 -pair_exclude 1000 -pair_accuracy "
+      "0.02");
+  EXPECT_EQ(thick.find("single precision"), std::string::npos) << thick;
+  const std::string usual = saidOf("-pair_accuracy 0.1");
+  EXPECT_EQ(usual.find("single precision") != std::string::npos, singlePays) << usual;
+}
+
+TEST(ForceError, AStraightFibreThatRepelsItselfIsWarnedOf) {
+  const std::string warned = "within a straight fibre, too, segments so near repel each other";
+  const std::string fine = saidOf("-fibre_segment_length 3.39 -pair_exclude 5");
+  EXPECT_NE(fine.find(warned + ", so it stretches; take 6 at least"), std::string::npos) << fine;
+  EXPECT_EQ(saidOf("-fibre_segment_length 3.39 -pair_exclude 6").find(warned), std::string::npos);
 }
 
 TEST(ForceError, IsNoLargerInABundleThanTheHeaderSays) {

@@ -74,6 +74,9 @@ class Vdw {
            p_.length;
   }
   double spliceDistance() const { return splice_; }
+  /// The least k of the smooth splice: with a softer one the repulsion would begin beyond the
+  /// minimum of v, and replace it.
+  double leastStiffness() const { return 0.5 * curvature(restDistance()); }
   /// Below this distance the walls of two fibres interpenetrate (D <= 0).
   double closestSensible() const { return 2.0 * p_.radius; }
   /// Bound of |u'|.
