@@ -1,5 +1,6 @@
 #include "nanoweft/app/report.hpp"
 
+#include <omp.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -432,11 +433,12 @@ void printSpeed(const RunParts& parts, const Moment& end, const Clock& clock, do
               time * units.secondsPerTime * 1e9 / wall * 86400.0,
               static_cast<long long>(parts.forces->lists().rebuilds()), parts.domain->imbalance(),
               static_cast<double>(memory) / 1024.0);
-  if (const int threads = parts.team.given; team < 0.95 * threads)
-    PetscPrintf(comm,
-                "threads: %.3g of %d worked on average, since their cores were taken "
-                "(-threads all would wait for them)\n",
-                team, threads);
+  const int threads = parts.team.given;
+  if (team < 0.95 * threads)
+    PetscPrintf(comm, "threads: %.3g of %d worked on average, since %s\n", team, threads,
+                threads > omp_get_num_procs()
+                    ? "there are fewer cores"
+                    : "their cores were taken (-threads all would wait for them)");
   if (end.state().ranks() == 1) return;
   const Domain::Census census = parts.domain->census(*parts.state);
   PetscPrintf(comm,
@@ -466,7 +468,12 @@ void printDampingShare(const RunParts& parts, const Energies& e) {
   const bool moved =
       plan.boundaries.tension() ||
       std::ranges::any_of(plan.boundaries.list(), [](const Boundary& b) { return b.moves(); });
-  if (local && moved && share > noticedDampingShare)
+  if (local && moved && share > noticedDampingShare && e.broken > 0)
+    PetscPrintf(plan.comm,
+                "  remark: part of that share is the recoil of what broke; forces measured at what "
+                "is moved contain what -damping_local %g had taken before\n",
+                damping);
+  else if (local && moved && share > noticedDampingShare)
     PetscPrintf(
         plan.comm,
         "  remark: -damping_local %g weakens every force that moves a segment, however slow "
@@ -513,6 +520,10 @@ void printSummary(const RunParts& parts, const Moment& end, const Clock& clock, 
   const Energies& e = *end.energies;
   printEnd(parts, end);
   if (end.step() == clock.step) return;
+  const bool relaxes = plan.settings.relaxTolerance > 0 || plan.settings.relaxForce > 0;
+  if (relaxes &&
+      std::ranges::all_of(plan.observers, [](const auto& o) { return o->reason().empty(); }))
+    PetscPrintf(plan.comm, "not converged: the run was over before\n");
   printSpeed(parts, end, clock, team);
   const bool heated = plan.settings.thermostat.has_value(), rubs = end.state().extras().friction;
   const std::string others = (rubs ? format(", friction %.6g", e.friction) : "") +

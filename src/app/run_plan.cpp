@@ -124,11 +124,15 @@ void RunPlan::refuseBesideShear() const {
 }
 
 void RunPlan::refuseWithoutRest() const {
-  const std::string end = "-relax_force: ends a run where no force is left; ";
+  const bool force = settings.relaxForce > 0;
+  if (!force && settings.relaxTolerance == 0) return;
+  const std::string end = force ? "-relax_force: ends a run where no force is left; "
+                                : "-relax_tolerance: ends a run at rest; ";
   if (boundaries.tension()) throw InputError(end + "a tension test goes on moving its grips");
   for (const Boundary& b : boundaries.list())
     if (b.moves())
       throw InputError(end + "-" + b.name + (b.spin ? "_spin" : "_velocity") + " keeps it moving");
+  if (!force) return;
   for (const Wall& w : walls)
     if ((w.moves() && w.stop == 0) || w.driven())
       throw InputError(end + "the wall " + w.name + " moves");
@@ -177,7 +181,7 @@ void RunPlan::refuseContradictions() const {
         "-relax_tolerance: there is no rest to end at, since -deform_%s_rate strains the box for "
         "ever (-deform_%s_until)",
         axis, axis));
-  if (settings.relaxForce > 0) refuseWithoutRest();
+  refuseWithoutRest();
   // A restart has the box of its checkpoint, whatever is thought of it now.
   if (!checkpoint) refuseWallsAcross();
   if (settings.thermostat && settings.thermostat->kelvin > 0 &&

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "nanoweft/base/canonical.hpp"
@@ -37,10 +38,47 @@ double Tension::peakRate() const {
 bool Tension::presses() const {
   const double lowest = program ? program->lowest() : maxStrain,
                highest = program ? program->highest() : maxStrain;
-  return highest <= 0 && std::min(lowest, before) < 0;
+  return std::max(highest, before) <= 0 && std::min(lowest, before) < 0;
 }
 
 namespace {
+
+/// Which grips hold a segment of a fibre: 1 left, 2 right, 3 both. Collective; known to rank 0
+/// alone unless `everywhere`.
+std::map<std::int64_t, int> gripsOfFibres(const State& state, bool everywhere) {
+  std::map<std::int64_t, int> grips;
+  for (int i = 0; i < state.owned(); ++i)
+    if (const int held = state.group[i] >> leftGripBit & 3; held) grips[state.fibre[i]] |= held;
+  const std::vector<std::pair<std::int64_t, int>> mine(grips.begin(), grips.end());
+  for (const auto& [fibre, held] : ofAllRanks(mine, state.comm(), everywhere)) grips[fibre] |= held;
+  return grips;
+}
+
+/// Distance of the innermost segments that the grips hold, of the kind where it is largest; fibres
+/// that both hold count, if there are any. 0: a grip holds none.
+double distanceOfGrips(const State& state, int axis) {
+  const auto grips = gripsOfFibres(state, true);
+  const bool across = std::ranges::any_of(grips, [](const auto& f) { return f.second == 3; });
+  // Of each kind, by the left and by the right grip, whose place is negated.
+  std::vector<std::array<double, 2>> inner(
+      std::max<std::size_t>(state.kinds.size(), 1),
+      {-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
+  for (int i = 0; i < state.owned(); ++i)
+    for (const std::size_t side : {0u, 1u}) {
+      if (!(state.group[i] & 1 << (side == 0 ? leftGripBit : rightGripBit))) continue;
+      if (across && grips.at(state.fibre[i]) != 3) continue;
+      const double x = state.pose[8 * i + axis];
+      double& place = inner[static_cast<std::size_t>(state.kind(i))][side];
+      place = std::max(place, side == 0 ? x : -x);
+    }
+  MPI_Allreduce(MPI_IN_PLACE, inner.data(), 2 * static_cast<int>(inner.size()), MPI_DOUBLE, MPI_MAX,
+                state.comm());
+  double largest = 0;
+  for (const auto& [left, right] : inner)
+    if (const double apart = -right - left; std::isfinite(apart))
+      largest = std::max(largest, apart);
+  return largest;
+}
 
 constexpr const char* noTest = "there is no tension test without -tension_rate or -tension_program";
 
@@ -184,17 +222,20 @@ void Tension::requireEnds(const Box& box) const {
 void Tension::measure(State& state) {
   if (thickness == 0)
     throw InputError("-tension_thickness: with several kinds of fibre it has no default");
-  // lower and negated upper ends, along and across.
-  double extent[4];
-  std::fill_n(extent, 4, std::numeric_limits<double>::infinity());
+  const int through = 3 - axis - across();
+  // Lower and negated upper ends: along, across, through the piece.
+  double extent[6];
+  std::fill_n(extent, 6, std::numeric_limits<double>::infinity());
   for (int i = 0; i < state.owned(); ++i) {
     const double along = state.pose[8 * i + axis], other = state.pose[8 * i + across()];
     extent[0] = std::min(extent[0], along);
     extent[1] = std::min(extent[1], -along);
     extent[2] = std::min(extent[2], other);
     extent[3] = std::min(extent[3], -other);
+    extent[4] = std::min(extent[4], state.pose[8 * i + through]);
+    extent[5] = std::min(extent[5], -state.pose[8 * i + through]);
   }
-  MPI_Allreduce(MPI_IN_PLACE, extent, 4, MPI_DOUBLE, MPI_MIN, state.comm());
+  MPI_Allreduce(MPI_IN_PLACE, extent, 6, MPI_DOUBLE, MPI_MIN, state.comm());
   const auto [lower, upper] = ends.value_or(std::array{extent[0], -extent[1]});
   ends = {lower, upper};
   start = state.time;
@@ -208,30 +249,21 @@ void Tension::measure(State& state) {
     if (!(width > 0))
       throw InputError("-tension_width: the piece has no width of its own; give one");
   }
+  // Sheets lie across z, so that in a test along it the default can hardly be meant.
+  if (const double thick = -extent[5] - extent[4];
+      axis == 2 && !asked.thickness && thick > 3.0 * thickness)
+    throw InputError(
+        format("-tension_axis z: the piece is %.6g %s thick along %c, not %.4g; give "
+               "-tension_thickness",
+               thick, unit, "xyz"[through], thickness));
   // Grips are often some segments long: round-off must not decide on the last one.
   const double rim = 1e-6 * grip;
-  // Of each kind: the innermost segment that either grip holds, the right one's place negated.
-  std::vector<std::array<double, 2>> inner(
-      std::max<std::size_t>(state.kinds.size(), 1),
-      {-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
   for (int i = 0; i < state.owned(); ++i) {
     const double x = state.pose[8 * i + axis];
-    if (x <= lower + grip + rim) {
-      state.group[i] |= 1 << leftGripBit;
-      auto& place = inner[static_cast<std::size_t>(state.kind(i))][0];
-      place = std::max(place, x);
-    }
-    if (x >= upper - grip - rim) {
-      state.group[i] |= 1 << rightGripBit;
-      auto& place = inner[static_cast<std::size_t>(state.kind(i))][1];
-      place = std::max(place, -x);
-    }
+    if (x <= lower + grip + rim) state.group[i] |= 1 << leftGripBit;
+    if (x >= upper - grip - rim) state.group[i] |= 1 << rightGripBit;
   }
-  MPI_Allreduce(MPI_IN_PLACE, inner.data(), 2 * static_cast<int>(inner.size()), MPI_DOUBLE, MPI_MAX,
-                state.comm());
-  for (const auto& [left, right] : inner)
-    if (const double apart = -right - left; std::isfinite(apart))
-      between = std::max(between, apart);
+  between = distanceOfGrips(state, axis);
   if (program) program->begin(start, before);
   if (lateral) measureSpread(state);
 }
@@ -265,14 +297,8 @@ double spreadAcross(const State& state, const Tension& tension) {
 }
 
 HeldFibres heldFibres(const State& state) {
-  using Grips = std::map<std::int64_t, int>;  // fibre -> 1: left, 2: right, 3: both
-  Grips grips;
-  for (int i = 0; i < state.owned(); ++i)
-    if (const int held = state.group[i] >> leftGripBit & 3; held) grips[state.fibre[i]] |= held;
-  const std::vector<Grips::value_type> mine(grips.begin(), grips.end());
-  for (const auto& [fibre, held] : ofAllRanks(mine, state.comm(), false)) grips[fibre] |= held;
   HeldFibres count;
-  for (const auto& [fibre, held] : grips)
+  for (const auto& [fibre, held] : gripsOfFibres(state, false))
     ++(held == 3 ? count.both : held == 2 ? count.right : count.left);
   return count;
 }

@@ -188,6 +188,37 @@ TEST(Tension, WarnsOfTheKindThatItsGageFitsWorst) {
   }
 }
 
+TEST(Tension, FibresAcrossThePullDoNotSayHowItsGageFits) {
+  // Grips of 40 A end at segments of the fibre that both hold; one of another kind lies across in
+  // either grip, 360 A apart.
+  const Folder folder;
+  std::vector<double> kind;
+  std::vector<FibreInput> fibres(3);
+  for (int n = 0; n < 40; ++n) {
+    fibres[0].position.push_back({(n + 0.5) * 10, 0, 0});
+    fibres[0].orientation.push_back({1, 0, 0, 0});
+    kind.push_back(0);
+  }
+  for (const std::size_t k : {1u, 2u})
+    for (int n = 0; n < 4; ++n) {
+      fibres[k].position.push_back({k == 1 ? 20.0 : 380.0, 20.0 * n, 50});
+      fibres[k].orientation.push_back({std::sqrt(0.5), 0, 0, std::sqrt(0.5)});
+      kind.push_back(1);
+    }
+  writeState(folder / "in.h5", fibres);
+  setDataset(folder / "in.h5", "kind", kind, 1);
+  for (const int ranks : {1, 3}) {
+    const auto outcome = run(folder,
+                             "-scene file -scene_file in.h5 -kinds a,b -a_fibre_segment_length 10 "
+                             "-b_fibre_segment_length 20 -pair none -tension_rate 1e-7 "
+                             "-tension_width 10 -tension_thickness 10 -tension_grip 40 -ts_dt 5 "
+                             "-ts_max_steps 1",
+                             ranks);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("360 A from each other"), std::string::npos) << outcome.output;
+  }
+}
+
 TEST(Tension, WarnsWhereGripsEndBetweenSegmentsOfAShortGage) {
   const Folder folder;
   const auto outcome = run(folder,

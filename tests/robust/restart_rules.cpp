@@ -206,12 +206,12 @@ TEST_P(RestartRules, TheSameValuesInAnotherSpellingAgree) {
 TEST_P(RestartRules, EndsOutputsAndWaysOfWorkingMayChange) {
   const Folder folder;
   const std::string first = pulled +
-                            "-ts_max_steps 20 -checkpoint_file c.h5 -relax_tolerance 1e-9 "
+                            "-ts_max_steps 20 -checkpoint_file c.h5 "
                             "-snapshot_file sn -snapshot_interval 10 ";
   expectDone(go(folder, first));
   expectDone(go(folder, pulled + "-ts_max_steps 50 -state_output want.h5"));
   expectDone(go(folder,
-                "-restart c.h5 -ts_max_steps 50 -ts_max_time 1e9 -relax_tolerance 1e-12 "
+                "-restart c.h5 -ts_max_steps 50 -ts_max_time 1e9 "
                 "-tension_max_strain 0.4 -state_output out.h5 -partition metis -partition_piece 8 "
                 "-pair_skin 3 -ts_limit_interval 7 -energy_alarm 0.5 -ts_dt_unsafe "
                 "-pair_allow_overlap -monitor_interval 5 -energy_monitor ascii:e.csv "

@@ -98,6 +98,14 @@ TEST(Summary, SaysThePressureOfATestThatPresses) {
           "-0.005 -ts_dt 15 -tension_ramp 0 -progress_interval 0");
   ASSERT_EQ(back.status, 0) << back.output;
   EXPECT_GT(numberAfter(back.output, "%, largest pressure "), 10.0) << back.output;
+  // A test that has been pulled before has its strength, whatever a later stage does.
+  const Outcome pull = run(folder, options + "-tension_rate 1e-5 -tension_max_strain 0.01");
+  ASSERT_EQ(pull.status, 0) << pull.output;
+  const Outcome press = run(folder,
+                            "-scene file -scene_file s.h5 -pair none -tension_rate -1e-5 "
+                            "-tension_max_strain -0.005 -ts_dt 15 -progress_interval 0");
+  ASSERT_EQ(press.status, 0) << press.output;
+  EXPECT_EQ(press.output.find("largest pressure"), std::string::npos) << press.output;
 }
 
 TEST(Summary, SaysTheStressOfAPieceThatIsReleasedFromPressure) {

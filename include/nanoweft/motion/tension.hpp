@@ -27,7 +27,8 @@ struct Tension {
   double width = 0;                           ///< of the fabric at the start; 0: measured
   double thickness = 0;                       ///< for the stress; 0: not known
   double gage = 0;                            ///< distance between the grips at the start
-  /// Distance of the innermost held segments, of the kind where it is largest; 0: not measured.
+  /// Distance of the innermost segments held in fibres that both grips hold, of the kind where it
+  /// is largest; 0: not measured.
   double between = 0;
   double start = 0;       ///< time of the start of this stage
   double before = 0;      ///< strain at that time, reached in earlier stages
