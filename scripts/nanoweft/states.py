@@ -67,6 +67,7 @@ class State:
     kinds: Kinds = Kinds()
     values: Array | None = None  # a number for each segment, where one was asked for
     links: Array = field(default_factory=no_links)  # [L,2]: rows of both ends of each whole link
+    broken_links: int = 0  # which the program counts among the broken bonds
     # Slides of the images: along x across y, along x across z, along y across z.
     tilt: Array = field(default_factory=straight)
 
@@ -267,13 +268,13 @@ class StateFile:
         state = State(rows, self.lower, self.upper, self.periodic, self.step, self.time, self.units,
                       closed, self.attributes, self.run, self.kinds, tilt=self.tilt)
         if "link" in self.file and {"fibre", "index"} <= rows.keys():
-            state.links = self.links(state)
+            state.links, state.broken_links = self.links(state)
         if values:
             state.values = self.numbers(values)
         return state
 
-    def links(self, state: State) -> Array:
-        """Rows of the state at both ends [L,2] of each link that is whole."""
+    def links(self, state: State) -> tuple[Array, int]:
+        """Rows of the state at both ends [L,2] of each link that is whole, and how many are not."""
         try:
             ends = self.file["link/segments"][()]
             whole = (self.file["link/broken"][()] == 0 if "broken" in self.file["link"]
@@ -291,7 +292,7 @@ class StateFile:
             fibre, index = lost.args[0]
             raise Unusable(f"{self.name}: a link ends at fibre {fibre}, segment {index}, which is"
                            " not there") from None
-        return np.array(found, np.int64).reshape(-1, 2)
+        return np.array(found, np.int64).reshape(-1, 2), int((~whole).sum())
 
     def drawable(self) -> dict[str, h5py.Dataset]:
         """Datasets with a number or a vector for each segment."""

@@ -52,6 +52,20 @@ class Breaks(FolderTest):
             self.assertEqual(lines[9].split()[-5:], ["2", "0", "0", "0", "1"])
             self.assertEqual(lines[10].split()[-5:], ["20.0"] * 5)
 
+    def test_broken_links_are_counted_beside_the_bonds(self):
+        for torn, broken, told in (([], (), "0 in 0 fibres"),
+                                   ([(0, 19)], (0,), "1 in 1 fibres, and 1 link"),
+                                   ([(0, 19)], (0, 2), "1 in 1 fibres, and 2 links")):
+            self.write("a.h5", 0)
+            self.write("b.h5", 10, torn)
+            for name, which in ("a.h5", ()), ("b.h5", broken):
+                with h5py.File(self.path(name), "r+") as file:
+                    file["link/segments"] = [[[k, 20], [k + 1, 20]] for k in range(4)]
+                    file["link/broken"] = np.isin(np.arange(4), which).astype(np.int8)
+            done = self.breaks("b.h5", "a.h5")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn(f"broken bonds: {told}\n", done.stdout)
+
     def test_stages_follow_each_other_and_are_named(self):
         self.write("a.h5", 0)
         self.write("b.h5", 10, [(0, 19)])

@@ -1,7 +1,9 @@
 """Tests of scripts/render: python3 render.py NANOWEFT SCRIPTS"""
 import os
+import runpy
 import stat
 import sys
+import types
 import unittest
 
 import h5py
@@ -230,6 +232,18 @@ class Render(FolderTest):
         self.assertFalse(both[110:140].any())
         self.assertTrue(rows[0] < 110 and rows[-1] > 140)
         self.assertGreater(link_pixels([across]).any(axis=1).sum(), 100)
+
+    def test_labels_count_broken_links(self):
+        broken = np.zeros(60, np.int8)
+        broken[[3, 25]] = 1
+        write_state(self.path("in.h5"), [straight((5, y, 0), (1, 0, 0), 20) for y in (-80, 0, 80)],
+                    bond_broken=broken)
+        with h5py.File(self.path("in.h5"), "r+") as file:
+            file["link/segments"] = [[[0, 4], [1, 4]], [[0, 14], [2, 14]], [[1, 9], [2, 9]]]
+            file["link/broken"] = np.array([1, 0, 1], np.int8)
+        script = runpy.run_path(os.path.join(scripts, "render"))
+        marked = types.SimpleNamespace(how="fibre", marked=True)
+        self.assertEqual(script["label"](marked, self.path("in.h5"), "x"), "x, 4 broken bonds")
 
     def test_walls_are_drawn_as_balls_and_rods(self):
         write_state(self.path("in.h5"), [straight((0, 0, 0), (1, 0, 0), 40)])

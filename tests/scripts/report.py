@@ -189,6 +189,18 @@ class Report(FolderTest):
         self.assertEqual(frame["broken"], 4)
         self.assertLess(len(frame["torn"]), 4)
 
+    def test_broken_links_are_broken_bonds(self):
+        fibres = [straight(20.0 * k) for k in range(3)]
+        for step, bonds, links in (0, [], []), (10, [3, 25], [0]), (20, [3, 25], [0, 2, 3]):
+            name = self.path(f"s_{step:010}.h5")
+            write_state(name, fibres, step=step, time=1.0 * step,
+                        bond_broken=np.isin(np.arange(60), bonds).astype(np.int8))
+            with h5py.File(name, "r+") as file:
+                file["link/segments"] = [[[0, k], [1, k]] for k in range(4)]
+                file["link/broken"] = np.isin(np.arange(4), links).astype(np.int8)
+        series, = self.data(self.make()[1])["series"]
+        self.assertEqual([frame["broken"] for frame in series["frames"]], [0, 3, 5])
+
     def test_numbered_checkpoints_are_no_series(self):
         for step in 10, 20:
             write_state(self.path(f"s_{step:010}.h5"), [straight(0)], step=step, time=1.0 * step)

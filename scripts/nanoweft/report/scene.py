@@ -130,7 +130,7 @@ def series_data(series: Series, budget: float, radii: tuple[float, ...]) -> dict
             positions.append(state.whole[rows].astype(np.float32))
             torn.append(torn_after(state, rows))
             boxes.append([state.lower.tolist(), *states.lattice(state.box, state.tilt).tolist()])
-            broken.append(int((state["bond_broken"] != 0).sum()))
+            broken.append(int((state["bond_broken"] != 0).sum()) + state.broken_links)
             for name in sorted(set(file.drawable()) & set(WANTED) - SKIPPED):
                 columns.setdefault(name, []).append(file.numbers(name)[rows].astype(np.float32))
     low = np.min([x.min(axis=0) for x in positions], axis=0).astype(float)
