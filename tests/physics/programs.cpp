@@ -158,6 +158,11 @@ TEST(Tension, HoldsTheSameSegmentsInAllUnitsWhereAGripEndsAtOne) {
   }
 }
 
+const std::string twoKinds =
+    "-scene file -scene_file in.h5 -kinds a,b -a_fibre_segment_length 10 -b_fibre_segment_length "
+    "20 -pair none -tension_rate 1e-7 -tension_width 10 -tension_thickness 10 -tension_grip 40 "
+    "-ts_dt 5 -ts_max_steps 1";
+
 TEST(Tension, WarnsOfTheKindThatItsGageFitsWorst) {
   // Grips of 40 A end at segments of 10 A of one kind, and between those of 20 A of the other one,
   // whose innermost held segments are 340 A from each other, not 310.
@@ -176,12 +181,7 @@ TEST(Tension, WarnsOfTheKindThatItsGageFitsWorst) {
   writeState(folder / "in.h5", fibres);
   setDataset(folder / "in.h5", "kind", kind, 1);
   for (const int ranks : {1, 2}) {
-    const auto outcome = run(folder,
-                             "-scene file -scene_file in.h5 -kinds a,b -a_fibre_segment_length 10 "
-                             "-b_fibre_segment_length 20 -pair none -tension_rate 1e-7 "
-                             "-tension_width 10 -tension_thickness 10 -tension_grip 40 -ts_dt 5 "
-                             "-ts_max_steps 1",
-                             ranks);
+    const auto outcome = run(folder, twoKinds, ranks);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("340 A from each other in one kind"), std::string::npos)
         << outcome.output;
@@ -208,12 +208,7 @@ TEST(Tension, FibresAcrossThePullDoNotSayHowItsGageFits) {
   writeState(folder / "in.h5", fibres);
   setDataset(folder / "in.h5", "kind", kind, 1);
   for (const int ranks : {1, 3}) {
-    const auto outcome = run(folder,
-                             "-scene file -scene_file in.h5 -kinds a,b -a_fibre_segment_length 10 "
-                             "-b_fibre_segment_length 20 -pair none -tension_rate 1e-7 "
-                             "-tension_width 10 -tension_thickness 10 -tension_grip 40 -ts_dt 5 "
-                             "-ts_max_steps 1",
-                             ranks);
+    const auto outcome = run(folder, twoKinds, ranks);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_EQ(outcome.output.find("360 A from each other"), std::string::npos) << outcome.output;
   }
