@@ -67,6 +67,20 @@ TEST(Summary, DoesNotBlameDampingForWhatElseTakesEnergy) {
   }
 }
 
+TEST(Summary, SaysThatDampingTookTheRecoilOfWhatBroke) {
+  const Folder folder;
+  const std::string pull =
+      "-scene fibre -fibre_segments 20 -pair none -tension_rate 1e-5 -tension_max_strain 0.06 "
+      "-tension_width 10 -tension_grip 13.56 -ts_dt 15 -damping_local 0.4 -progress_interval 0 ";
+  const Outcome torn = run(folder, pull + "-break_strain_mean 0.03 -break_strain_std 0.002");
+  ASSERT_EQ(torn.status, 0) << torn.output;
+  EXPECT_GT(numberAfter(torn.output, "damping took "), 5.0) << torn.output;
+  EXPECT_NE(torn.output.find("the recoil of what broke"), std::string::npos) << torn.output;
+  const Outcome whole = run(folder, pull);
+  ASSERT_EQ(whole.status, 0) << whole.output;
+  EXPECT_EQ(whole.output.find("recoil"), std::string::npos) << whole.output;
+}
+
 TEST(Summary, SaysThePressureOfATestThatPresses) {
   const Folder folder;
   const std::string options =
