@@ -18,11 +18,6 @@ void Notices::begin(int mine, double number, MPI_Comm comm) {
                    MPI_MAX, comm, &request_);
 }
 
-void Notices::poll() {
-  int done;
-  if (request_ != MPI_REQUEST_NULL) MPI_Test(&request_, &done, MPI_STATUS_IGNORE);
-}
-
 int Notices::wait() {
   MPI_Wait(&request_, MPI_STATUS_IGNORE);
   int bits = 0;

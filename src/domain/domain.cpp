@@ -33,8 +33,8 @@ bool Domain::turnToMetis(const State& state) {
 }
 
 void Domain::judgeMetis() {
-  // Equal shares with long borders may be more work than unequal ones with short borders: a pair of
-  // two ranks is resolved by both.
+  // Equal shares with long borders may be more work than unequal ones with short borders, since
+  // ghosts cost something.
   if (std::exchange(onTrial_, false) && most_ >= straight_) failed_ = true;
 }
 

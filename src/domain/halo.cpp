@@ -148,24 +148,30 @@ class NearOwn {
   mutable std::vector<std::int64_t> around_;  ///< neighbours of that cell
 };
 
+constexpr int sumsOfSegment = 8;
+
 }  // namespace
 
 Halo::Halo(MPI_Comm comm) {
   petsc(PetscSFCreate(comm, &sf_));
   for (std::size_t k = 0; k < units_.size(); ++k) {
     const Field& f = fields[k];
+    // PETSc confuses a unit of one MPI_INT with MPI_INT itself, in which it counts ghosts.
     if (f.whole())
-      MPI_Type_contiguous(static_cast<int>(f.bytes() / sizeof(int)), MPI_INT, &units_[k]);
+      MPI_Type_contiguous(static_cast<int>(f.bytes()), MPI_BYTE, &units_[k]);
     else
       MPI_Type_contiguous(f.components, MPI_DOUBLE, &units_[k]);
     MPI_Type_commit(&units_[k]);
   }
+  MPI_Type_contiguous(sumsOfSegment, MPI_INT64_T, &sumUnit_);
+  MPI_Type_commit(&sumUnit_);
 }
 
 Halo::~Halo() {
   PetscSFDestroy(&sf_);
   PetscSFDestroy(&along_);
   for (MPI_Datatype& unit : units_) MPI_Type_free(&unit);
+  MPI_Type_free(&sumUnit_);
 }
 
 void Halo::build(State& state, const CellGrid& grid, double range) {
@@ -189,6 +195,7 @@ void Halo::build(State& state, const CellGrid& grid, double range) {
   const int ghosts = static_cast<int>(remote.size()), owned = state.owned();
   petsc(PetscSFSetGraph(sf_, owned, ghosts, nullptr, PETSC_COPY_VALUES, remote.data(),
                         PETSC_COPY_VALUES));
+  owner_.reset();
   requirePlaces(comm, std::int64_t{owned} + ghosts);
   state.addGhosts(ghosts);
   for (Broadcast* half : {PetscSFBcastBegin, PetscSFBcastEnd})
@@ -225,6 +232,31 @@ void Halo::refreshBegin(State& state) {
 
 void Halo::refreshEnd(State& state) {
   broadcast(PetscSFBcastEnd, state, Ghosts::everyStep);
+}
+
+void Halo::findOwners() {
+  PetscInt owned;
+  const PetscInt* ghosts;
+  petsc(PetscSFGetGraph(sf_, &owned, nullptr, nullptr, nullptr));
+  petsc(PetscSFComputeDegreeBegin(sf_, &ghosts));
+  petsc(PetscSFComputeDegreeEnd(sf_, &ghosts));
+  owner_.emplace();
+  for (PetscInt i = 0; i < owned; ++i)
+    owner_->insert(owner_->end(), static_cast<std::size_t>(ghosts[i]), i);
+  arriving_.resize(sumsOfSegment * owner_->size());
+}
+
+void Halo::addGhostsBegin(const std::int64_t* ghosts) {
+  if (!owner_) findOwners();
+  petsc(PetscSFGatherBegin(sf_, sumUnit_, ghosts, arriving_.data()));
+}
+
+void Halo::addGhostsEnd(const std::int64_t* ghosts, std::int64_t* owned) {
+  petsc(PetscSFGatherEnd(sf_, sumUnit_, ghosts, arriving_.data()));
+  const std::int64_t* from = arriving_.data();
+  for (const PetscInt i : *owner_)
+    for (int c = 0; c < sumsOfSegment; ++c)
+      owned[sumsOfSegment * static_cast<std::ptrdiff_t>(i) + c] += *from++;
 }
 
 void Halo::refreshVelocities(State& state) {

@@ -220,11 +220,12 @@ class ContactForce final : public PairForce {
   void add(const PairJob& job, bool energies, PairTally& tally) const override {
     ContactSum sum({law_, friction_, traits_.radius, forceUnit_, torqueUnit_}, job, energies,
                    tally);
-    DrawnPairs::Ends begin{};
-    for (const auto& end : job.drawn->ends) {
-      lookAtGroups(sum, job.drawn->inside.between(begin.inside, end.inside), job);
-      lookAtRim(sum, std::span(job.drawn->rim).subspan(begin.rim, end.rim - begin.rim), job);
-      begin = end;
+    const DrawnPairs& drawn = *job.drawn;
+    const Chunks chunks = drawn.existing(job.chunks);
+    for (std::size_t k = chunks.begin; k < chunks.end; ++k) {
+      const DrawnPairs::Ends begin = drawn.begin(k), &end = drawn.ends[k];
+      lookAtGroups(sum, drawn.inside.between(begin.inside, end.inside), job);
+      lookAtRim(sum, std::span(drawn.rim).subspan(begin.rim, end.rim - begin.rim), job);
     }
     sum.close();
   }

@@ -99,8 +99,11 @@ void ForceField::rebuild(State& state, Domain& domain) {
   lists_.rebuild(state, domain);
   if (state.linked) links_.build(state, domain);
   if (settings_.pairs) {
+    sending_ = std::ranges::any_of(lists_.pairs(), &PairList::ranksShare);
+    const std::size_t threads = shares().size(),
+                      apart = sending_ ? threads * static_cast<std::size_t>(state.ghosts()) : 0;
     const ForceSum* before = sums_.data();
-    sums_.resize(static_cast<std::size_t>(state.owned()) + shares().size());
+    sums_.resize(static_cast<std::size_t>(state.owned()) + apart + threads);
     if (sums_.data() != before) preferHugePages(sums_.data(), sums_.capacity() * sizeof(ForceSum));
     if (settings_.viscous || settings_.pairs.rubs())
       viscousSums_.resize(6 * static_cast<std::size_t>(state.owned()));
@@ -118,7 +121,7 @@ PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous
   job.pose = state.pose;
   job.begin = shares()[thread].begin;
   job.end = shares()[thread].end;
-  job.spare = state.owned() + static_cast<std::int32_t>(thread);
+  job.spare = static_cast<std::int32_t>(sums_.size() - shares().size() + thread);
   job.sum = sums_.data();
   job.nearest = &nearest_;
   if (viscous) {
@@ -130,29 +133,86 @@ PairJob ForceField::pairJob(const State& state, std::size_t thread, bool viscous
   return job;
 }
 
-void ForceField::addPairs(State& state, std::size_t thread, bool outer, Tallies& tallies) {
+void ForceField::addPairs(State& state, std::size_t thread, Phase phase, Tallies& tallies) {
+  const double margin = tallies.margin;
+  const bool energies = tallies.request.energies;
+  PairTally& tally = tallies.pairs[thread];
   PairJob job = pairJob(state, thread, tallies.viscousPairs);
   FrictionJob friction{state, contacts_, tallies.request.advance};
   if (tallies.viscousPairs && settings_.pairs.rubs()) job.friction = &friction;
   job.breakage = tallies.request.mayBreak && settings_.breakage;
-  if (!outer && thread == 0) job.agreement = tallies.request.agreement;
+  job.messages = thread == 0 && state.ranks() > 1;
   for (std::size_t c = 0; c < lists_.pairs().size(); ++c) {
     const PairForces::Class& between = settings_.pairs.classes()[c];
     const PairForce& force = *between.force;
     PairList& list = lists_.pairs()[c];
     const PairList::Parts& listed = list.threads()[thread];
-    PairList::Drawn& all = list.drawn()[thread];
-    DrawnPairs& drawn = outer ? all.outer : all.inner;
-    if (tallies.margin > 0)
-      force.draw(outer ? listed.outer : listed.inner, state.pose, nearest_, tallies.margin, drawn);
-    job.drawn = &drawn;
+    PairList::Drawn& drawn = list.drawn()[thread];
+    const bool sends = list.ranksShare();
     job.viscous = between.damps ? settings_.viscous.between(force) : ViscousDamping{};
     job.viscousSum =
         tallies.viscousPairs && (job.viscous || force.rubs()) ? viscousSums_.data() : nullptr;
-    force.add(job, tallies.request.energies, tallies.pairs[thread]);
-    if (!outer)
-      all.shared.add(force, job, tallies.margin, tallies.request.energies, tallies.pairs[thread]);
+    auto draw = [&](const PairRuns& from, DrawnPairs& to) {
+      if (margin > 0) force.draw(from, state.pose, nearest_, margin, to);
+    };
+    auto add = [&](const DrawnPairs& pairs, Chunks chunks) {
+      job.drawn = &pairs;
+      job.chunks = chunks;
+      force.add(job, energies, tally);
+    };
+    // With sums to be sent, the other half of the pairs of own segments waits until they travel.
+    auto half = [&] { return (drawn.inner.ends.size() + 1) / 2; };
+    switch (phase) {
+      case Phase::first:
+        draw(listed.inner, drawn.inner);
+        add(drawn.inner, sends ? Chunks{0, half()} : Chunks{});
+        drawn.shared.add(force, job, margin, energies, tally);
+        break;
+      case Phase::forOthers:
+        if (!sends) break;
+        job.both = true;
+        job.spare = static_cast<std::int32_t>(thread) * state.ghosts();
+        draw(listed.taken, drawn.taken);
+        add(drawn.taken, {});
+        break;
+      case Phase::last:
+        if (sends) {
+          add(drawn.inner, {.begin = half()});
+        } else {
+          draw(listed.taken, drawn.taken);
+          add(drawn.taken, {});
+        }
+    }
   }
+}
+
+void ForceField::sendSums(State& state, Halo& halo, Tallies& tallies) {
+  ForceSum* const sums = sums_.data() + state.owned();
+  {
+    const LogScope log(pairEvent_);
+    onShares(shares().size(),
+             [&](std::size_t t) { addPairs(state, t, Phase::forOthers, tallies); });
+    // Threads have summed apart.
+    const auto ghosts = static_cast<std::size_t>(state.ghosts());
+#pragma omp parallel for num_threads(teamOf(shares().size()))
+    for (std::size_t g = 0; g < ghosts; ++g)
+      for (std::size_t t = 1; t < shares().size(); ++t) {
+        ForceSum& from = sums[t * ghosts + g];
+        for (int c = 0; c < 6; ++c) sums[g].at[c] += from.at[c];
+        from = {};
+      }
+  }
+  const LogScope log(haloEvent_);
+  halo.addGhostsBegin(sums->at);
+}
+
+void ForceField::receiveSums(const State& state, Halo& halo, Tallies& tallies) {
+  const LogScope log(haloEvent_);
+  const double begin = MPI_Wtime();
+  ForceSum* const ghosts = sums_.data() + state.owned();
+  halo.addGhostsEnd(ghosts->at, sums_.data()->at);
+  tallies.waited += MPI_Wtime() - begin;
+  std::fill_n(ghosts, state.ghosts(), ForceSum{});
 }
 
 void ForceField::takeShared(std::size_t thread) {
@@ -251,7 +311,7 @@ bool ForceField::addInnerPairs(State& state, Halo& halo, Tallies& tallies) {
   if (early && !wait()) return false;
   if (settings_.pairs) {
     const LogScope log(pairEvent_);
-    onShares(shares().size(), [&](std::size_t t) { addPairs(state, t, false, tallies); });
+    onShares(shares().size(), [&](std::size_t t) { addPairs(state, t, Phase::first, tallies); });
   }
   return early || wait();
 }
@@ -280,13 +340,16 @@ ForceOutcome ForceField::evaluate(State& state, Halo& halo, const ForceRequest& 
   addInnerBonds(state, ownKnown, tallies);
   const double begin = MPI_Wtime();
   if (!addInnerPairs(state, halo, tallies)) return abandon(tallies);
+  if (sending_) sendSums(state, halo, tallies);
   addOuterBonds(state, tallies);
   if (viscous) addViscosity(state, tallies);
   if (walls_) addWalls(state, tallies);
   if (pairs) {
     const LogScope log(pairEvent_);
+    if (state.ranks() > 1)
+      onShares(shares().size(), [&](std::size_t t) { addPairs(state, t, Phase::last, tallies); });
+    if (sending_) receiveSums(state, halo, tallies);
     onShares(shares().size(), [&](std::size_t t) {
-      addPairs(state, t, true, tallies);
       takeShared(t);
       if (request.complete) handOver(state, shares()[t].begin, shares()[t].end);
       if (tallies.viscousPairs) handOverViscous(state, shares()[t]);

@@ -202,8 +202,11 @@ void ListKeeper::noteWork(const State& state, Domain& domain) {
   if (state.ranks() == 1) return;
   // What a step does for each segment (bonds, motion) costs about as much as this many pairs.
   constexpr double pairsPerSegment = 3.0;
+  // A ghost, whose position comes and whose sums go, costs as much as six pairs (a dense bundle on
+  // two ranks, straight cuts against METIS), and something in the lists.
+  constexpr double pairsPerGhost = 8.0;
   work_.assign(static_cast<std::size_t>(state.owned()), pairsPerSegment);
-  double resolved = pairsPerSegment * state.owned();
+  double resolved = pairsPerSegment * state.owned() + pairsPerGhost * state.ghosts();
   const auto& classes = settings_.pairs.classes();
   for (std::size_t c = 0; c < classes.size(); ++c) {
     // A pair of the first class counts 1.

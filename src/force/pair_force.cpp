@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "nanoweft/base/messages.hpp"
 #include "nanoweft/force/hertz.hpp"
 #include "nanoweft/force/pair_kernel.hpp"
 #include "nanoweft/force/pair_sift.hpp"
@@ -73,9 +74,10 @@ class PairForceOf final : public PairForce {
     PairSift sift(job.pose, *job.nearest, reach_);
     const DrawnPairs& drawn = *job.drawn;
     const std::span<const ListPair> rim = drawn.rim;
-    DrawnPairs::Ends begin{};
-    for (const auto& end : drawn.ends) {
-      if (job.agreement) job.agreement->poll();
+    const Chunks chunks = drawn.existing(job.chunks);
+    for (std::size_t k = chunks.begin; k < chunks.end; ++k) {
+      const DrawnPairs::Ends begin = drawn.begin(k), &end = drawn.ends[k];
+      if (job.messages) letMessagesGoOn();
       if (parts_) {
         const LaneView pairs = drawn.near.between(begin.near, end.near);
         resolve(parts_->near, single_ ? &*single_ : nullptr, nearby, energies, pairs, nearJob,
@@ -87,8 +89,7 @@ class PairForceOf final : public PairForce {
       }
       inside(drawn.inside.between(begin.inside, end.inside));
       sift.goOn(rim.subspan(begin.rim, end.rim - begin.rim));
-      while (PairBlock* block = sift.next(&end == &drawn.ends.back())) inside(block->close());
-      begin = end;
+      while (PairBlock* block = sift.next(k + 1 == chunks.end)) inside(block->close());
     }
   }
 

@@ -124,33 +124,41 @@ std::vector<Share> shareSegments(const State& state, const CellGrid& grid, const
   return shares;
 }
 
-/// What a thread finds. A pair of two threads' segments is taken by either one, so that one has the
-/// pairs of an odd first segment, the other those of an even one.
+/// What a thread finds. A pair of two threads' or ranks' segments is taken by that of the first
+/// segment or of the second as the sum of rows is odd or even, so that each takes about half.
 struct PairList::Found {
-  const bool sharing;
-  const std::int32_t owned;
+  const bool sharing, ranksShare;
+  const State& state;
   const Share share;
-  FoundPairs inner, across, outer, taken;
+  FoundPairs inner, across, left, taken, shared;
 
   bool mine(std::int32_t i) const { return share.holds(i); }
   /// A pair with at least one segment of the thread; `inOrder`: i comes first.
   void add(std::int32_t i, std::int32_t j, bool inOrder) {
-    if (i >= owned || j >= owned) return outer.add(i, j, inOrder);
-    if (!sharing || mine(i) == mine(j)) return inner.add(i, j, inOrder);
-    across.add(i, j, inOrder);
-    const std::int32_t first = inOrder ? i : j;
-    if (mine(first) == (first % 2 == 1)) taken.add(i, j, inOrder);
+    auto takes = [&] { return mine(inOrder ? i : j) == ((state.row[i] + state.row[j]) % 2 == 1); };
+    if (i >= state.owned() || j >= state.owned()) {
+      (!ranksShare || takes() ? taken : left).add(i, j, inOrder);
+    } else if (!sharing || mine(i) == mine(j)) {
+      inner.add(i, j, inOrder);
+    } else {
+      across.add(i, j, inOrder);
+      if (takes()) shared.add(i, j, inOrder);
+    }
   }
 };
 
 void PairList::keep(const Found& found, const State& state, std::size_t thread) {
   threads_[thread].inner.set(found.inner, state.owned());
   threads_[thread].across.set(found.across, state.owned());
-  threads_[thread].outer.set(found.outer, state.local());
-  drawn_[thread].shared.set(found.taken, state.owned());
+  threads_[thread].left.set(found.left, state.local());
+  threads_[thread].taken.set(found.taken, state.local());
+  drawn_[thread].shared.set(found.shared, state.owned());
 }
 
-void PairList::start(const std::vector<Share>& shares) {
+void PairList::start(const State& state, const std::vector<Share>& shares) {
+  // With fewer segments the messages that take sums back last longer than the pairs that they save.
+  constexpr std::int64_t leastOfRank = 100;
+  ranksShare_ = sharing_ && state.ranks() > 1 && state.total() >= leastOfRank * state.ranks();
   shares_ = shares;
   // What was drawn before gives its memory to the pairs that are being found.
   drawn_.clear();
@@ -168,14 +176,14 @@ void PairList::build(const State& state, const KindCells& where, const std::vect
   // Owned segments are stored in the order of the domain's cells, which other cells do not have.
   const bool ascends = ownedAscend(order, owned);
   OrderedSegments segments(order.size());
-  start(shares);
+  start(state, shares);
 
 #pragma omp parallel for num_threads(teamOf(shares.size()))
   for (std::size_t k = 0; k < order.size(); ++k)
     segments.set(k, order[k], state.position(order[k]));
   onShares(shares.size(), [&](std::size_t t) {
     const Share share = shares[t];
-    Found lists{sharing_, owned, share, {}, {}, {}, {}};
+    Found lists{sharing_, ranksShare_, state, share, {}, {}, {}, {}, {}};
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -227,9 +235,9 @@ void PairList::buildMixed(const State& state, const std::vector<int>& firsts,
   OrderedSegments segments(order.size());
   for (std::size_t k = 0; k < order.size(); ++k)
     segments.set(k, order[k], state.position(order[k]));
-  start(shares);
+  start(state, shares);
   onShares(shares.size(), [&](std::size_t t) {
-    Found lists{sharing_, state.owned(), shares[t], {}, {}, {}, {}};
+    Found lists{sharing_, ranksShare_, state, shares[t], {}, {}, {}, {}, {}};
     std::vector<Run> runs;
     std::vector<std::int64_t> around;
     std::vector<std::int32_t> found;
@@ -256,7 +264,7 @@ void PairList::count(double weight, std::vector<double>& work) const {
     for (const PairRuns* list : threads_[t].all())
       list->forEach([&](const ListPair& p) {
         for (std::int32_t k : {p.i, p.j})
-          // A pair of two threads' segments stands in both threads' lists.
+          // A pair of two threads' or ranks' segments stands in two lists.
           if (k < owned && shares_[t].holds(k)) work[static_cast<std::size_t>(k)] += 0.5 * weight;
       });
 }
@@ -264,7 +272,7 @@ void PairList::count(double weight, std::vector<double>& work) const {
 std::int64_t PairList::size() const {
   std::int64_t n = 0;
   for (std::size_t t = 0; t < threads_.size(); ++t)
-    n += static_cast<std::int64_t>(threads_[t].inner.pairs() + threads_[t].outer.pairs() +
+    n += static_cast<std::int64_t>(threads_[t].inner.pairs() + threads_[t].taken.pairs() +
                                    drawn_[t].shared.pairs());
   return n;
 }

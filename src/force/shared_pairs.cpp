@@ -6,12 +6,13 @@
 namespace nanoweft {
 
 void SharedPairs::set(const FoundPairs& pairs, int owned) {
+  segments_.clear();
+  if (pairs.empty()) return;
   std::vector<std::int32_t> place(static_cast<std::size_t>(owned), -1);
   auto placeOf = [&](std::int32_t i) -> std::int32_t& {
     return place[static_cast<std::size_t>(i)];
   };
   pairs.forEach([&](const ListPair& p) { placeOf(p.i) = placeOf(p.j) = 0; });
-  segments_.clear();
   for (std::int32_t i = 0; i < owned; ++i)
     if (placeOf(i) == 0) {
       placeOf(i) = static_cast<std::int32_t>(segments_.size());
@@ -31,6 +32,7 @@ void SharedPairs::add(const PairForce& force, PairJob job, double margin, bool e
     std::memcpy(poses_[k].at, job.pose + 8 * static_cast<std::size_t>(segments_[k]), sizeof(Pose));
   job.pose = poses_.data()->at;
   job.drawn = &drawn_;
+  job.chunks = {};
   job.begin = 0;
   job.end = static_cast<std::int32_t>(segments_.size());
   job.sum = sums_.data();

@@ -93,10 +93,10 @@ TEST(Partition, TwoOccupiedCornersOnThreeRanks) {
 }
 
 TEST(Partition, MetisGivesWayWhereItsBordersCostMoreThanItEvensOut) {
-  // A dense bundle: pieces of fibre have long borders, and a pair of two ranks is resolved twice.
+  // A dense bundle: pieces of fibre have long borders, and so many ghosts.
   const Folder folder;
   const std::string options =
-      "-scene bundle -bundle_fibres 91 -bundle_segments 60 -scene_perturb 0.3 -ts_dt 20 "
+      "-scene bundle -bundle_fibres 91 -bundle_segments 64 -scene_perturb 0.3 -ts_dt 20 "
       "-partition_tolerance 1.001 -pair_skin 0.3 -ts_max_steps 20 ";
   const auto metis = run(folder, options + "-partition metis", 3),
              automatic = run(folder, options, 3);

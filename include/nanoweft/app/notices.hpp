@@ -19,8 +19,6 @@ class Notices {
   /// Starts to tell all ranks of this rank's bits, of which there are 31, and its number >= 0.
   /// Collective.
   void begin(int mine, double number, MPI_Comm comm);
-  /// Lets the messages go on. Many MPI libraries move them on in their own calls alone.
-  void poll();
   /// This rank's own bits.
   int mine() const { return mine_; }
   /// The bits that any rank has set, once they have arrived. Ends what `begin` has started.

@@ -62,7 +62,6 @@ class Simulation : private RunBook, private Agreement {
   /// Writes a checkpoint and says how to go on.
   Ending stopEarly();
 
-  void poll() override { notices_.poll(); }
   bool doubts() const override;
   bool listsHold() override;
 

@@ -8,6 +8,10 @@
 
 #include <petscsf.h>
 
+#include <cstdint>
+#include <optional>
+#include <vector>
+
 #include "nanoweft/domain/cell_grid.hpp"
 #include "nanoweft/state/state.hpp"
 
@@ -29,6 +33,11 @@ class Halo {
   /// overlaps with the communication.
   void refreshBegin(State& state);
   void refreshEnd(State& state);
+  /// Add what has been summed on each ghost, eight integers a segment, to the sums of its owner.
+  /// Work done between begin and end, except on `ghosts`, overlaps with the communication.
+  /// Collective.
+  void addGhostsBegin(const std::int64_t* ghosts);
+  void addGhostsEnd(const std::int64_t* ghosts, std::int64_t* owned);
   /// Brings the ghosts' velocities up to date, which only viscous damping needs.
   void refreshVelocities(State& state);
   /// Brings the contacts of those ghosts up to date that follow or precede an owned segment along
@@ -39,9 +48,13 @@ class Halo {
   using Broadcast = decltype(PetscSFBcastBegin);
   void broadcast(Broadcast* half, State& state, Ghosts which);
   void chooseAlong(const State& state);
+  void findOwners();
 
   PetscSF sf_ = nullptr;
   std::array<MPI_Datatype, std::size(fields)> units_;  ///< of each field, the values of a segment
+  MPI_Datatype sumUnit_;                               ///< the sums of a segment
+  std::vector<std::int64_t> arriving_;                 ///< sums of other ranks
+  std::optional<std::vector<PetscInt>> owner_;  ///< the owned segment of each of those, once known
   PetscSF along_ = nullptr;  ///< of sf_, the ghosts of Ghosts::alongFibres; only with friction
 };
 

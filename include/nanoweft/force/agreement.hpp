@@ -8,8 +8,6 @@ namespace nanoweft {
 class Agreement {
  public:
   virtual ~Agreement() = default;
-  /// Lets the messages go on. The main thread calls it now and then.
-  virtual void poll() = 0;
   /// Has this rank itself noticed that its segments cannot be trusted, or that the lists do not
   /// hold?
   virtual bool doubts() const = 0;

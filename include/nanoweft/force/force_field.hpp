@@ -9,6 +9,7 @@
 
 #include "nanoweft/domain/domain.hpp"
 #include "nanoweft/fibre/kinds.hpp"
+#include "nanoweft/force/agreement.hpp"
 #include "nanoweft/force/contact_history.hpp"
 #include "nanoweft/force/link_forces.hpp"
 #include "nanoweft/force/list_keeper.hpp"
@@ -109,7 +110,14 @@ class ForceField {
   struct Tallies;
   Tallies startTallies(const ForceRequest& request, bool viscous);
   PairJob pairJob(const State& state, std::size_t thread, bool viscous);
-  void addPairs(State& state, std::size_t thread, bool outer, Tallies& tallies);
+  /// When pairs are resolved: while the positions of ghosts travel; when they have arrived, what
+  /// other ranks wait for; while that travels.
+  enum class Phase { first, forOthers, last };
+  void addPairs(State& state, std::size_t thread, Phase phase, Tallies& tallies);
+  /// Resolves the pairs that this rank has taken for others, too, and sends off their sums.
+  void sendSums(State& state, Halo& halo, Tallies& tallies);
+  /// Adds what other ranks have summed on this rank's segments.
+  void receiveSums(const State& state, Halo& halo, Tallies& tallies);
   /// Adds what other threads have summed on a thread's segments.
   void takeShared(std::size_t thread);
   void addBonds(State& state, std::size_t thread, BondList::Part part, Tallies& tallies);
@@ -143,6 +151,9 @@ class ForceField {
   bool bondsKnown_ = false;               ///< a ForcePass has added the threads' own bonds already
   std::atomic<bool> beyondSums_ = false;  ///< sums of forces have been out of the integers' range
   bool owed_ = false;                     ///< pair forces wait in sums_ for a ForcePass
+  bool sending_ = false;                  ///< are sums on ghosts sent to their owners?
+  /// Of the owned segments, of the ghosts for each thread if they are sent, a spare one for each
+  /// thread.
   std::vector<ForceSum> sums_;
   ForceUnits viscousUnits_;
   std::vector<std::int64_t> viscousSums_;  ///< [6] a segment

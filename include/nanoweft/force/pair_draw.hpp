@@ -2,7 +2,9 @@
 /// can come within reach before some segment has moved by half a margin.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "nanoweft/base/both.hpp"
@@ -11,6 +13,11 @@
 #include "nanoweft/state/box.hpp"
 
 namespace nanoweft {
+
+/// Chunks begin <= k < end of the drawn pairs, as far as there are so many.
+struct Chunks {
+  std::size_t begin = 0, end = std::numeric_limits<std::size_t>::max();
+};
 
 /// The drawn pairs. Every step resolves those inside without looking at their distance; if they
 /// drift out of reach, they add zero. Those that may be on either side form the rim. Pairs that the
@@ -26,6 +33,10 @@ struct DrawnPairs {
     std::size_t rim;
   };
   std::vector<Ends> ends;
+
+  Ends begin(std::size_t chunk) const { return chunk > 0 ? ends[chunk - 1] : Ends{}; }
+  /// Those of the chunks that there are.
+  Chunks existing(Chunks chunks) const { return {chunks.begin, std::min(chunks.end, ends.size())}; }
 };
 
 /// Places of the outermost points of two segments, from the centres.

@@ -20,7 +20,6 @@
 
 #include "nanoweft/base/both.hpp"
 #include "nanoweft/base/exact_sum.hpp"
-#include "nanoweft/force/agreement.hpp"
 #include "nanoweft/force/pair_draw.hpp"
 #include "nanoweft/force/sums.hpp"
 #include "nanoweft/state/box.hpp"
@@ -57,11 +56,16 @@ struct ForceUnits {
 };
 
 /// One thread's share of the pair sum. The thread adds forces to its segments begin <= k < end
-/// alone. The sums are integer multiples of the force's units, so their order does not matter.
+/// alone, or to others in records apart (`both`). The sums are integer multiples of the force's
+/// units, so their order does not matter.
 struct PairJob {
-  const double* pose;              ///< [8] a segment
-  const DrawnPairs* drawn;         ///< the pairs that the thread resolves
-  std::int32_t begin, end, spare;  ///< spare: record of `sum` that takes forces on other segments
+  const double* pose;       ///< [8] a segment
+  const DrawnPairs* drawn;  ///< the pairs that the thread resolves,
+  Chunks chunks;            ///< those in these chunks
+  std::int32_t begin, end;
+  bool both = false;  ///< are pairs with another's segment resolved for both?
+  std::int32_t
+      spare;  ///< record of `sum` that takes forces on others; for both, less their indices
   ForceSum* sum;
   const MinimumImage* nearest;
   // With viscous damping only:
@@ -74,7 +78,7 @@ struct PairJob {
   // With friction only:
   FrictionJob* friction = nullptr;
 
-  Agreement* agreement = nullptr;  ///< to be polled between chunks of pairs, unless null
+  bool messages = false;  ///< is MPI to go on between chunks of pairs? In the main thread alone.
 
   bool breakage = false;  ///< is the energy to be booked that contacts change by as ends get free?
 

@@ -312,7 +312,7 @@ class LaneSums {
     put(row.j, onJ);
     if constexpr (Energies)
       for (int k = 0; k < laneCount; ++k)
-        if (row.counts(k) && job_.mine(group_.first[k]))
+        if (row.counts(k) && (job_.both || job_.mine(group_.first[k])))
           tally.energy.add(units.force * pair.energy[static_cast<std::size_t>(k)],
                            tally.energyUnit);
     if (job_.viscousSum) addViscous(job_, units, row, tally);
@@ -321,7 +321,7 @@ class LaneSums {
   NW_INLINE void close() const { put(group_.first, total_); }
 
  private:
-  /// Adds the lanes' sums to the segments' records, or to the spare one for others' segments.
+  /// Adds the lanes' sums to the segments' records, or to the spare ones for others' segments.
   NW_INLINE void put(const std::int32_t* segments, const LaneIntegers* sums) const {
     Row rows[laneCount];
     toRows<N == 1 ? 3 : 6>(sums, rows);
@@ -330,7 +330,7 @@ class LaneSums {
     const LaneNumbers s = loadNumbers(segments);
     const LaneNumbers others = (s < job_.begin) | (s >= job_.end);
     if (none(others)) return addRows(job_.sum, segments, rows);
-    const LaneNumbers places = others ? LaneNumbers{} + job_.spare : s;
+    const LaneNumbers places = others ? (job_.both ? s : LaneNumbers{}) + job_.spare : s;
     std::int32_t place[laneCount];
     std::memcpy(place, &places, sizeof places);
     addRows(job_.sum, place, rows);

@@ -6,9 +6,9 @@
 /// (pair_draw.hpp).
 ///
 /// Each thread owns a range of segments, and lists all pairs with one of them. A pair of two
-/// threads' segments therefore stands in both threads' lists. One of the two resolves it for both
-/// (shared_pairs.hpp), or each for its own segment. A pair of two ranks' segments is resolved
-/// twice, with a ghost on either rank.
+/// threads' or two ranks' segments therefore stands in two lists. One of the two threads resolves
+/// it for both (of one rank: shared_pairs.hpp; of two: Halo::addGhosts), or each for its own
+/// segment.
 #pragma once
 
 #include <array>
@@ -33,8 +33,10 @@ struct KindCells {
 
 class PairList {
  public:
-  /// `sharing`: is a pair of two threads' segments resolved by one of them for both?
+  /// `sharing`: may a pair of two threads' or ranks' segments be resolved by one of them for both?
   explicit PairList(bool sharing) : sharing_(sharing) {}
+  /// Are pairs of two ranks' segments resolved by one of them for both? The same on all ranks.
+  bool ranksShare() const { return ranksShare_; }
 
   /// Lists all pairs whose centres are within `range`. Left out are pairs of one fibre less than
   /// `exclude` places apart, unless they have been apart since a bond between them broke
@@ -46,17 +48,18 @@ class PairList {
   void buildMixed(const State& state, const std::vector<int>& firsts, const KindCells& others,
                   const std::vector<Share>& shares, double range);
 
-  /// A thread's pairs: outer pairs have a ghost. With sharing, those with another thread's segment
-  /// stand apart from the inner ones.
+  /// A thread's pairs. With sharing, those with another thread's segment, across, stand apart from
+  /// the inner ones. Pairs with a ghost are left or taken: if ranks share, the ghost's rank
+  /// resolves those that are left; else all are taken.
   struct Parts {
-    PairRuns inner, across, outer;
+    PairRuns inner, across, left, taken;
 
-    std::array<const PairRuns*, 3> all() const { return {&inner, &across, &outer}; }
+    std::array<const PairRuns*, 4> all() const { return {&inner, &across, &left, &taken}; }
   };
   const std::vector<Parts>& threads() const { return threads_; }
   /// The pairs that steps resolve, drawn from `threads`.
   struct Drawn {
-    DrawnPairs inner, outer;
+    DrawnPairs inner, taken;
     SharedPairs shared;  ///< of those across
   };
   std::vector<Drawn>& drawn() { return drawn_; }
@@ -67,11 +70,11 @@ class PairList {
 
  private:
   struct Found;
-  void start(const std::vector<Share>& shares);
+  void start(const State& state, const std::vector<Share>& shares);
   /// Keeps what a thread has found.
   void keep(const Found& found, const State& state, std::size_t thread);
 
-  bool sharing_;
+  bool sharing_, ranksShare_ = false;
   std::vector<Parts> threads_;
   std::vector<Drawn> drawn_;
   std::vector<Share> shares_;

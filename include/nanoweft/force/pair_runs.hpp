@@ -12,8 +12,7 @@
 namespace nanoweft {
 
 /// Local indices of two segments, that with the lower row first, or in a pair of two kinds that of
-/// the first kind: so two ranks that both resolve a pair do it in the same order and get the same
-/// bits.
+/// the first kind: whoever resolves a pair does it in the same order and gets the same bits.
 struct ListPair {
   std::int32_t i, j;
 };
@@ -34,6 +33,8 @@ class FoundPairs {
       blocks_.push_back(std::make_unique_for_overwrite<std::int32_t[]>(blockSize));
     blocks_.back()[count_++ % blockSize] = inOrder ? j : ~j;
   }
+
+  bool empty() const { return count_ == 0; }
 
   template <class Visit>
   void forEach(const Visit& visit) const {

@@ -15,7 +15,7 @@ class Loads:
                           # it as a ghost
     messages: np.ndarray  # ranks to receive from
     inner: np.ndarray     # pairs of two own segments
-    outer: np.ndarray     # pairs with a ghost, computed by both owners
+    outer: np.ndarray     # pairs with a ghost; each of both owners computes half of them
     cut_bonds: int
 
     @property

@@ -1,20 +1,22 @@
 """Time of a step from what each rank has to do.
 
     local    = segments x motion + bonds, packing included in the figure for a ghost
-    halo     = messages x latency + ghosts x time of a ghost         (travels while inner pairs run)
+    halo     = messages x latency + ghosts x time of a ghost        (positions travel while the
+               first half of the inner pairs runs, sums on ghosts back while the second does)
     rebuild  = (segments and ghosts x time of a list) / steps between rebuilds
     agree    = log2(ranks) x latency
     notices  = log2(ranks) messages, each once the one before has arrived (travel while inner pairs
                run; a rank looks for them after each 256 segments' pairs)
-    step     = max over ranks [ local + inner pairs + what inner pairs leave of halo + outer pairs
-                                + rebuild ]
+    step     = max over ranks [ local + inner pairs + twice what half of them leaves of halo
+                                + half of the outer pairs + rebuild ]
                + agree x (1 + 1 / steps between drawings
                           + collective calls of a rebuild / steps between rebuilds)
-    late     = max over ranks [ the same, with what they leave of the longer of halo and notices ]
+    late     = max over ranks [ the same, at first what is left of the longer of halo and notices ]
                + agree x collective calls of a rebuild / steps between rebuilds
 
-The step is late from 128 ranks on, as the program's (-agreement). What it costs to foresee which
-pairs will be missing is left out.
+The step is late from 128 ranks on, as the program's (-agreement). With fewer than 100 segments a
+rank, each of two ranks resolves all of their common pairs, and no sums travel. What it costs to
+foresee which pairs will be missing is left out.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -63,14 +65,24 @@ class Costs:
 CHUNK = 256
 # Ranks from which on the step is late (-agreement).
 LATE = 128
+# Segments a rank from which on ranks share their pairs (src/force/pair_list.cpp).
+LEAST = 100
+
+
+def part_of(loads):
+    """The part of its inner pairs that a rank computes first, and of its outer pairs that it
+    computes at all."""
+    return 0.5 if loads.owned.mean() >= LEAST else 1.0
 
 
 def left_of_notices(loads, costs, rounds):
-    """Nanoseconds for which a rank waits for what all ranks agree on, after its inner pairs."""
+    """Nanoseconds for which a rank waits for what all ranks agree on, after the first part of its
+    inner pairs."""
     if costs.latency == 0:
         return 0.0
-    hiding = costs.hidden * costs.pair * loads.inner
-    chunk = hiding * np.minimum(1.0, CHUNK / np.maximum(1, loads.owned))
+    inner = costs.hidden * costs.pair * loads.inner
+    hiding = part_of(loads) * inner
+    chunk = inner * np.minimum(1.0, CHUNK / np.maximum(1, loads.owned))
     return costs.latency * np.maximum(0.0, rounds - hiding / np.maximum(costs.latency, chunk))
 
 
@@ -84,14 +96,16 @@ def step(loads, costs, ranks=None, late=None):
     inner = costs.pair * loads.inner
     halo = costs.latency * loads.messages + costs.ghost * np.maximum(loads.ghosts, loads.sent)
     rounds = np.ceil(np.log2(ranks))
-    left = np.maximum(0.0, halo - costs.hidden * inner)
+    part = part_of(loads)
+    left = np.maximum(0.0, halo - part * costs.hidden * inner)
+    back = left if part < 1 else 0.0
     asked = costs.collectives / costs.interval
     if late:
         left = np.maximum(left, left_of_notices(loads, costs, rounds))
     else:
         asked += 1 + 1 / costs.drawing
     lists = costs.list * (loads.owned + loads.ghosts) / costs.interval
-    busy = local + inner + left + costs.pair * loads.outer + lists
+    busy = local + inner + left + back + part * costs.pair * loads.outer + lists
     return 1e-9 * (busy.max() + costs.latency * rounds * asked)
 
 

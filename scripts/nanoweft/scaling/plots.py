@@ -55,7 +55,7 @@ def partitions(rows, title, file):
     for a, column, name in zip(axes, ("imbalance", "ghosts_per_segment", "messages_mean",
                                       "cut_pairs_percent"),
                                ("imbalance of work", "ghosts a segment", "messages a rank and step",
-                                "pairs computed twice, %")):
+                                "pairs of two ranks, %")):
         _frame(a, [2**k for k in (1, 3, 6, 9, 12)])
         _curves(a, rows, column)
         a.set_title(name, fontsize=10)
