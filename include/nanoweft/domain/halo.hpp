@@ -52,8 +52,8 @@ class Halo {
 
   PetscSF sf_ = nullptr;
   std::array<MPI_Datatype, std::size(fields)> units_;  ///< of each field, the values of a segment
-  MPI_Datatype sumUnit_;                               ///< the sums of a segment
-  std::vector<std::int64_t> arriving_;                 ///< sums of other ranks
+  MPI_Datatype sumUnit_;                        ///< the sums of a segment
+  std::vector<std::int64_t> arriving_;          ///< sums of other ranks
   std::optional<std::vector<PetscInt>> owner_;  ///< the owned segment of each of those, once known
   PetscSF along_ = nullptr;  ///< of sf_, the ghosts of Ghosts::alongFibres; only with friction
 };

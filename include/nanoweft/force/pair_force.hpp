@@ -63,9 +63,8 @@ struct PairJob {
   const DrawnPairs* drawn;  ///< the pairs that the thread resolves,
   Chunks chunks;            ///< those in these chunks
   std::int32_t begin, end;
-  bool both = false;  ///< are pairs with another's segment resolved for both?
-  std::int32_t
-      spare;  ///< record of `sum` that takes forces on others; for both, less their indices
+  std::int32_t spare;  ///< record of `sum` that takes forces on others
+  bool both = false;   ///< are pairs with another's resolved for both? Then it is spare + its index
   ForceSum* sum;
   const MinimumImage* nearest;
   // With viscous damping only:
