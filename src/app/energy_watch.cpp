@@ -3,6 +3,7 @@
 
 #include "nanoweft/app/instability.hpp"
 #include "nanoweft/app/observers.hpp"
+#include "nanoweft/app/round_off.hpp"
 #include "nanoweft/base/error.hpp"
 
 namespace nanoweft {
@@ -114,11 +115,10 @@ double EnergyWatch::availableAt(const Moment& moment) const {
   // by coming together. The most so far counts, since Verlet's error stays when the motion that
   // made it is over; a thermostat makes new motion all the time. The last term keeps round-off of a
   // scene at rest from an alarm.
-  return std::max(available_, start_.own + std::abs(e.external - start_.external) +
-                                  std::abs(e.pair - start_.pair) + turnedOver(moment) +
-                                  box_.turnedOver() +
-                                  1e-9 * moment.system.forces.kinds().energyScale() *
-                                      static_cast<double>(moment.state().total()));
+  return std::max(available_,
+                  start_.own + std::abs(e.external - start_.external) +
+                      std::abs(e.pair - start_.pair) + turnedOver(moment) + box_.turnedOver() +
+                      roundOff(moment.system.forces.kinds(), moment.state().total(), start_.pair));
 }
 
 void EnergyWatch::judge(const Moment& moment, double available) const {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "nanoweft/app/instability.hpp"
+#include "nanoweft/app/round_off.hpp"
 #include "nanoweft/app/wall_time.hpp"
 #include "nanoweft/base/error.hpp"
 #include "nanoweft/base/exact_sum.hpp"
@@ -493,7 +494,7 @@ void remarkOnDrift(const RunParts& parts, const Moment& end, std::int64_t steps)
   // A run that came to rest has little left of what it began with.
   auto ownOf = [](const Energies& of) { return of.elastic() + of.kinetic + of.rotational; };
   if (const double own = std::max(ownOf(e), ownOf(first)) + std::abs(e.external - first.external);
-      drift > noticedDrift * own && lost > noticedDrift * own) {
+      drift > noticedDrift * own && drift <= lost) {
     PetscPrintf(
         parts.plan->comm,
         "  warning: that is %.2g %% of the energy that there was: external, damped and heat "
@@ -504,10 +505,9 @@ void remarkOnDrift(const RunParts& parts, const Moment& end, std::int64_t steps)
   }
   if (parts.plan->settings.thermostat) return;
   const double there = first.elastic() + first.kinetic + first.rotational +
-                       std::abs(e.external - first.external) + std::abs(e.pair - first.pair),
-               roundOff = 1e-9 * parts.plan->kinds.energyScale() *
-                          static_cast<double>(parts.state->total());
-  if (drift > std::max(noticedDrift * there, roundOff))
+                       std::abs(e.external - first.external) + std::abs(e.pair - first.pair);
+  if (drift >
+      std::max(noticedDrift * there, roundOff(parts.plan->kinds, parts.state->total(), first.pair)))
     PetscPrintf(parts.plan->comm,
                 "  warning: that is %.2g %% of the energy that there was to turn into motion; %s\n",
                 100.0 * drift / there, remedyOfDrift(parts.plan->boxDrive).c_str());

@@ -168,6 +168,23 @@ TEST(Summary, WarnsOfABalanceThatDrifts) {
   }
 }
 
+TEST(Summary, WarnsOfADriftThatIsSmallBesideTheStiffnessOfTheBonds) {
+  // A carbon fibre falls on a wall so hard that a bounce lasts one step. Its energies are 1e-13 of
+  // B1 T^2.
+  for (const auto& [modulus, warned] : {std::pair{"4000", true}, std::pair{"4", false}}) {
+    const Folder folder;
+    const auto outcome = run(
+        folder, std::string("-units si -scene fibre -fibre_preset carbon_t300 -fibre_segments 10 "
+                            "-pair none -walls floor -floor_point 0,0,-3.6e-6 -floor_axis 0,0,1 "
+                            "-bc all -all_region -1,-1,-1,1,1,1 -all_force 0,0,-1e-11 "
+                            "-progress_interval 0 -ts_max_time 1.5e-4 -floor_modulus ") +
+                    modulus);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(outcome.output.find("of the energy that there was") != std::string::npos, warned)
+        << outcome.output;
+  }
+}
+
 TEST(Summary, WarnsOfAccountsThatAreTooCoarse) {
   for (const auto& [force, warned] : {std::pair{"1e-13", true}, std::pair{"1e-9", false}}) {
     const Folder folder;

@@ -101,9 +101,9 @@ Outcome runAfter(const Folder& folder, const std::string& first, const std::stri
 
 Outcome runBeside(const Folder& folder, const std::string& options, int ranks,
                   const std::string& beside) {
-  // `beside` must not read what a run before has printed.
+  // `beside` must not read what a run before has printed, and may kill this one before it prints.
   const std::string script =
-      "cd '" + folder.path().string() + "'; rm -f out.txt; cd - > /dev/null; (" +
+      "cd '" + folder.path().string() + "'; : > out.txt; cd - > /dev/null; (" +
       command(folder, options, ranks, 1) + ") & PID=$!; cd '" + folder.path().string() + "'; { " +
       beside + "; } > beside.txt 2>&1; wait $PID";
   return finish(folder, std::system(script.c_str()));

@@ -52,9 +52,10 @@ class Halo {
 
   PetscSF sf_ = nullptr;
   std::array<MPI_Datatype, std::size(fields)> units_;  ///< of each field, the values of a segment
-  MPI_Datatype sumUnit_;                        ///< the sums of a segment
-  std::vector<std::int64_t> arriving_;          ///< sums of other ranks
-  std::optional<std::vector<PetscInt>> owner_;  ///< the owned segment of each of those, once known
+  MPI_Datatype sumUnit_;                               ///< the sums of a segment
+  /// Sums of other ranks, and the owned segment of each, once known.
+  std::vector<std::int64_t> arriving_;
+  std::optional<std::vector<PetscInt>> owner_;
   PetscSF along_ = nullptr;  ///< of sf_, the ghosts of Ghosts::alongFibres; only with friction
 };
 
