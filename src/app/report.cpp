@@ -464,7 +464,8 @@ void printDampingShare(const RunParts& parts, const Energies& e) {
   // Beyond that it has taken what the start brought along, such as the strain of a weave's crimp.
   if (!(e.external > 0) || e.damped > e.external) return;
   const double share = e.damped / e.external;
-  PetscPrintf(plan.comm, "damping took %.3g %% of the work of grips and loads%s\n", 100 * share,
+  PetscPrintf(plan.comm, "damping took %.3g %% of the work of %s%s\n", 100 * share,
+              plan.walls.empty() ? "grips and loads" : "grips, loads and walls",
               plan.boxDrive ? " and of what drives the box" : "");
   const bool moved =
       plan.boundaries.tension() ||

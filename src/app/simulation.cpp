@@ -236,7 +236,8 @@ bool Simulation::listsHold() {
   if (heard_ & crowded)
     throw RunError(
         format("step %lld: a segment has more than %d contacts with friction, which is all "
-               "that it can remember",
+               "that it can remember: it lies across many others, or touches segments far shorter "
+               "than itself",
                static_cast<long long>(state.step), contactSlots));
   if (heard_ & tooLong)
     throw RunError(

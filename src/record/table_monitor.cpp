@@ -92,18 +92,17 @@ std::string TableMonitor::columnLine() const {
 }
 
 std::string TableMonitor::refusal(const TableHead& head, const TableRun& run) const {
-  const std::string file = target().file, columns = columnLine();
-  const bool ours = head.provenance && head.provenance->program == run.provenance.program;
-  const bool table = head.columns == columns && (!ours || !head.stretches.empty());
-  if (ours && table && run.owns(*head.provenance)) return "";
-  const bool result = ours || head.columns == columns;
-  if (result && run.overwrite) return "";
-  const std::string will = "will not replace " + file + ": ";
-  if (!table)
-    return will + "it is no table of -" + layout_.option + "; remove it or choose another name";
+  const std::string will = "will not replace " + target().file + ": ",
+                    none = "it is no table of -" + layout_.option,
+                    orOverwrite = "; remove it, choose another name or give -overwrite";
+  const bool ours = head.provenance && head.provenance->program == run.provenance.program,
+             same = head.columns == columnLine(), table = !ours || !head.stretches.empty();
+  if (ours && table && same && run.owns(*head.provenance)) return "";
+  if ((ours || same) && run.overwrite) return "";
+  if (ours && table && !same) return will + none + " with the columns of this run" + orOverwrite;
+  if (!same || !table) return will + none + "; remove it or choose another name";
   const std::string why = ours ? differenceOfRuns(*head.provenance, run.provenance) : "";
-  return will + "another run wrote it" + (why.empty() ? "" : " (" + why + ")") +
-         "; remove it, choose another name or give -overwrite";
+  return will + "another run wrote it" + (why.empty() ? "" : " (" + why + ")") + orOverwrite;
 }
 
 void TableMonitor::check(MPI_Comm comm, const TableRun& run) const {

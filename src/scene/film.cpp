@@ -358,8 +358,7 @@ std::unique_ptr<Scene> makeFilmScene(Options& options, const SceneContext& conte
     laying.box = box;
   }
   laying.space = area * thickness;
-  laying.also = format("coverage %.4g, thickness %.5g %s",
-                       static_cast<double>(fibres) * mix->shadow(p.segments) / area, thickness,
+  laying.also = format("coverage %.4g, thickness %.5g %s", shadowOf(laying) / area, thickness,
                        context.units.length);
   laying.warning =
       persistenceWarning("film", film->lines(), *mix, p.persistence, context.units.length);

@@ -225,6 +225,15 @@ double volumeOf(const Laying& laying) {
   return volume;
 }
 
+double shadowOf(const Laying& laying) {
+  double shadow = 0;
+  for (std::int64_t f = 0; f < laying.fibres; ++f) {
+    const Fibre& fibre = laying.mix->fibre(f);
+    shadow += fibre.diameter() * fibre.length * laying.segments(f);
+  }
+  return shadow;
+}
+
 std::unique_ptr<Scene> layScene(const SceneContext& context, Laying laying) {
   return std::make_unique<LaidScene>(context, std::move(laying));
 }

@@ -98,7 +98,7 @@ void checkDatasets(const OpenState& state, bool complete) {
   }
   std::vector<h5::Expected> others{rows::image, rows::bondBroken, rows::kind};
   for (const Field& f : fields)
-    if (readByName(f)) others.push_back(expectedOf(f));
+    if (readByName(f)) others.push_back(expectedOf(state, f));
   for (const h5::Expected& e : others)
     if (const std::int64_t rows = checkDataset(state, e, complete); rows >= 0 && rows != total)
       refuseShape(e);

@@ -262,13 +262,18 @@ void readFields(const OpenState& file, const RowBlock& block, const RawRows& raw
     if (readByName(f))
       f.visit(state, [&]<class T>(T* field) {
         std::vector<T> values;
-        readRows(file, expectedOf(f), block, values);
+        const h5::Expected expected = expectedOf(file, f);
+        readRows(file, expected, block, values);
         const auto bad = std::ranges::find_if_not(
             values, [](T x) { return std::isfinite(static_cast<double>(x)); });
         if (bad != values.end())
-          file.refuse(raw.name(static_cast<std::size_t>((bad - values.begin()) / f.components)) +
-                      ": its " + f.name + " is not a finite number");
-        if (field) std::ranges::copy(values, field);
+          file.refuse(
+              raw.name(static_cast<std::size_t>((bad - values.begin()) / expected.columns)) +
+              ": its " + f.name + " is not a finite number");
+        if (!field) return;
+        for (auto row = values.begin(); row < values.end(); row += expected.columns)
+          field = std::fill_n(std::copy_n(row, expected.columns, field),
+                              f.components - expected.columns, T{0});
       });
 }
 

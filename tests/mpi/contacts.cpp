@@ -1,8 +1,11 @@
 /// Contacts with friction: the same bytes on any ranks and threads, and over restarts.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/expect.hpp"
 #include "support/program.hpp"
+#include "support/state_edit.hpp"
 
 namespace nanoweft::test {
 namespace {
@@ -35,6 +38,46 @@ TEST(ContactsWithFriction, SameBytesOnAnyRanksThreadsAndPartition) {
       EXPECT_TRUE(readFile(folder / file) == readFile(reference / file))
           << file << " on " << l.ranks << " x " << l.threads << " " << l.more;
   }
+}
+
+TEST(ContactsWithFriction, OfATowInRegisterAreAllRemembered) {
+  // The middle one of seven fibres touches three segments of each of the six others.
+  const Folder folder;
+  const auto outcome =
+      run(folder,
+          "-units si -fibre_preset glass_e -scene bundle -bundle_fibres 7 -bundle_segments 12 "
+          "-bundle_gap 12.99e-6 -pair contact -contact_friction 0.3 -ts_max_steps 2 "
+          "-checkpoint_file c.h5",
+          2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // Rows of partners plus one, a place for each that a segment may have.
+  const auto partners = readDataset(folder / "c.h5", "/state/contact");
+  const std::size_t places = partners.size() / (7 * 12);
+  std::ptrdiff_t most = 0;
+  for (auto of = partners.begin(); of < partners.end(); of += static_cast<std::ptrdiff_t>(places))
+    most = std::max(most, std::count_if(of, of + static_cast<std::ptrdiff_t>(places),
+                                        [](double p) { return p != 0; }));
+  EXPECT_EQ(most, 18);
+}
+
+TEST(ContactsWithFriction, GoOnFromFilesOfEarlierProgramsWithHalfAsManyPlaces) {
+  const Folder folder;
+  ASSERT_EQ(run(folder, weave + "-ts_max_steps 100 -checkpoint_file c.h5").status, 0);
+  const std::string on = "-restart c.h5 -ts_max_steps 150 -overwrite -state_forces -state_output ";
+  ASSERT_EQ(run(folder, on + "whole.h5").status, 0);
+  for (const auto& [name, columns] : {std::pair{"contact", 16}, {"contact_spring", 48}}) {
+    const auto values = readDataset(folder / "c.h5", std::string("/state/") + name);
+    std::vector<double> half;
+    for (auto row = values.begin(); row < values.end(); row += 2 * columns)
+      half.insert(half.end(), row, row + columns);
+    setDataset(folder / "c.h5", name, half, columns);
+  }
+  signAgain(folder / "c.h5");
+  const auto outcome = run(folder, on + "half.h5", 2);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  for (const char* name : {"/state/position", "/state/force", "/state/contact_spring"})
+    EXPECT_EQ(readDataset(folder / "half.h5", name), readDataset(folder / "whole.h5", name))
+        << name;
 }
 
 TEST(ContactsWithFriction, RanksWithoutSegmentsWriteTheSame) {

@@ -112,6 +112,16 @@ const std::vector<Case> cases = {
      {"coverage 1.996", "volume fraction", "thickness"},
      {700, 700, 0},
      133},
+    // Two of the three have the kind that is four times as thick: (1 + 2 x 4) 2 rf 200 T over the
+    // area, where half of each kind would be 7.5 of that.
+    {"FilmOfTwoKinds",
+     "-kinds a,b -b_fibre_radius 27.12 -b_fibre_density 2273 -b_fibre_young 1000 -scene film "
+     "-film_fibres 3 "
+     "-film_segments 200 -film_kinds a,b -film_shares 0.3,0.7 -film_size 100000,100000 "
+     "-film_slope 0.05",
+     {"coverage 3.31"},
+     {100000, 100000, 0},
+     3},
     {"FilmOfBundles",
      "-scene film -film_segments 40 -film_layers 3 -film_bundle 10 -film_coverage 1.2 "
      "-film_size 700,700",

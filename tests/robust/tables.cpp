@@ -323,6 +323,15 @@ TEST_P(DamagedTables, AreNamedAndLeftAsTheyAre) {
 INSTANTIATE_TEST_SUITE_P(Tables, DamagedTables, testing::ValuesIn(harmful),
                          [](const auto& i) { return std::string(i.param.name); });
 
+TEST(Tables, WithOtherColumnsAreReplacedOnlyWhenAsked) {
+  const Folder folder;
+  const std::string still = "-scene fibre -ts_max_steps 0 -energy_monitor ascii:e.csv ",
+                    walls = still + "-walls w -w_point 0,0,-50 -w_axis 0,0,1 -w_modulus 1 ";
+  expectDone(run(folder, still));
+  expectRefused(run(folder, walls), {"with the columns of this run", "-overwrite"});
+  expectDone(run(folder, walls + "-overwrite"));
+}
+
 TEST(Tables, WhatIsTornBeyondTheRestartComesAgain) {
   const Folder folder;
   expectDone(run(folder, table + "-ts_max_steps 40 -checkpoint_file c.h5"));

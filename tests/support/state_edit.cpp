@@ -18,6 +18,12 @@ void setDataset(const std::string& file, const std::string& name, const std::vec
   if (!group.valid()) throw std::runtime_error("no /state in " + file);
   const auto width = static_cast<hsize_t>(columns);
   const hsize_t shape[2] = {values.size() / width, width};
+  if (H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) {
+    h5::Handle old(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+    h5::Handle space(H5Dget_space(old), H5Sclose);
+    if (H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(values.size()))
+      H5Ldelete(group, name.c_str(), H5P_DEFAULT);
+  }
   if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0) {
     h5::Handle space(H5Screate_simple(columns == 1 ? 1 : 2, shape, nullptr), H5Sclose);
     h5::Handle made(H5Dcreate2(group, name.c_str(), H5T_NATIVE_DOUBLE, space, H5P_DEFAULT,

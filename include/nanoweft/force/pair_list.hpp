@@ -7,7 +7,7 @@
 ///
 /// Each thread owns a range of segments, and lists all pairs with one of them. A pair of two
 /// threads' or two ranks' segments therefore stands in two lists. One of the two threads resolves
-/// it for both (of one rank: shared_pairs.hpp; of two: Halo::addGhosts), or each for its own
+/// it for both (of one rank: shared_pairs.hpp; of two: Halo::addGhostsBegin), or each for its own
 /// segment.
 #pragma once
 

@@ -101,5 +101,7 @@ inline double tubeSection(double radius, double wall) {
 
 /// Volume of all its fibres, each a cylinder of its radius.
 double volumeOf(const Laying& laying);
+/// Sum of their lengths times their diameters.
+double shadowOf(const Laying& laying);
 
 }  // namespace nanoweft

@@ -12,7 +12,7 @@
 namespace nanoweft {
 
 /// Contacts with friction that a segment may have at a time.
-inline constexpr int contactSlots = 16;
+inline constexpr int contactSlots = 32;
 
 /// Fields that only some scenes need.
 struct ExtraFields {

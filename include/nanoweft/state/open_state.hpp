@@ -51,8 +51,15 @@ inline constexpr h5::Expected position{"position", 3, false}, orientation{"orien
 inline bool readByName(const Field& f) {
   return f.stored == Stored::always || f.stored == Stored::extra;
 }
-inline h5::Expected expectedOf(const Field& f) {
-  return {f.name, f.components, f.whole()};
+/// What the file may have of a field. Files of earlier programs keep half as many contacts of a
+/// segment.
+inline h5::Expected expectedOf(const OpenState& file, const Field& f) {
+  const h5::Expected now{f.name, f.components, f.whole()},
+      former{f.name, f.components / 2, f.whole()};
+  const bool half = f.extra == &ExtraFields::friction &&
+                    h5::find(file.segments(), f.name) == h5::Found::dataset &&
+                    h5::inspect(file.segments(), former).problem.empty();
+  return half ? former : now;
 }
 
 }  // namespace nanoweft
