@@ -139,7 +139,7 @@ void readOutputs(Options& options, RunSettings& r) {
   r.stateOutput = out.text("state_output", "", "state file for the final state");
   OptionSection final = section(!r.stateOutput.empty(), "-state_output is not set");
   r.stateForces = final.flag("state_forces", false,
-                             "forces and torques (of bonds and pairs) into -state_output");
+                             "forces and torques (of bonds, pairs, walls) into -state_output");
   r.checkpointFile = out.text("checkpoint_file", "", "checkpoint, replaced each time");
   OptionSection checkpoints = section(!r.checkpointFile.empty(), "-checkpoint_file is not set");
   r.checkpointInterval =
