@@ -4,6 +4,7 @@ import re
 import sys
 import unittest
 
+import h5py
 import numpy as np
 from support import FolderTest, write_state
 
@@ -11,9 +12,9 @@ SPACING, BESIDE = 13.56, 17.3
 HEXAGON = [(0, 0)] + [(np.cos(a), np.sin(a)) for a in np.arange(6) * np.pi / 3]
 
 
-def tube(y, z, count=40, shift=0.0, backwards=False):
+def tube(y, z, count=40, shift=0.0, backwards=False, spacing=SPACING):
     """A straight tube along x."""
-    x = SPACING * np.arange(count) + shift
+    x = spacing * np.arange(count) + shift
     place = np.stack([x, np.full(count, y), np.full(count, z)], axis=1)
     return place[::-1] if backwards else place
 
@@ -72,6 +73,20 @@ class Bundles(FolderTest):
                   for k, (place, shift) in enumerate(zip(HEXAGON, shifts))]
         for every in "1", "5":
             self.assertEqual(self.survey(fibres, "--every", every)[1:3], (7, 7))
+
+    def test_kinds_with_segments_of_their_own(self):
+        # One of long segments amid six of short ones, as long as it.
+        shifts = 10 + np.random.default_rng(2).uniform(-0.25, 0.25, 6) * SPACING
+        fibres = [tube(0, 0, spacing=4 * SPACING)]
+        fibres += [tube(*(BESIDE * np.array(place)), count=156, shift=shift)
+                   for place, shift in zip(HEXAGON[1:], shifts)]
+        write_state(self.path("in.h5"), fibres, kind=np.repeat([1, 0], [40, 6 * 156]))
+        with h5py.File(self.path("in.h5"), "r+") as file:
+            file["state/kind"].attrs["kinds"] = "short,long"
+        _, mean, largest, neighbours, _ = self.survey(None, "--every", "1")
+        self.assertEqual((mean, largest), (7, 7))
+        # Each long segment has six beside it, each short one three.
+        self.assertAlmostEqual(neighbours, (40 * 6 + 6 * 156 * 3) / 976, delta=5e-4)
 
     def test_two_bundles_apart(self):
         fibres = bundle(HEXAGON[:3]) + bundle(HEXAGON[:4], (60.0, 0.0))

@@ -16,7 +16,7 @@ from .sample import Lacking
 Array = NDArray[Any]
 
 PARALLEL = 0.9   # |cosine| above which two segments run side by side
-SLICE = 2.5      # half the thickness of a cross-section in segments: two neighbours to either side
+SLICE = 2.5      # half the thickness of a cross-section in the longest segments: two to either side
 SIDES = {"left": (0, -1), "right": (0, 1), "bottom": (1, -1), "top": (1, 1)}
 # Sizes of bundles that are counted together.
 CLASSES: list[tuple[int, int | None]] = [(1, 1), (2, 2), (3, 4), (5, 9), (10, 20), (21, 40),
@@ -57,7 +57,13 @@ class Fabric:
         along = self.across(self.position[second] - self.position[first])
         if not len(along) and not length:
             raise Unusable("no bonds to take a segment's length from; give --length")
-        self.length = float(length or np.median(np.linalg.norm(along, axis=1)))
+        # Of each segment: the median bond of its kind, since kinds may have segments of their own.
+        self.lengths = np.full(len(self.position), length or 0.0)
+        if not length:
+            bond, kind = np.linalg.norm(along, axis=1), state["kind"]
+            for k in np.unique(kind[first]):
+                self.lengths[kind == k] = np.median(bond[kind[first] == k])
+        self.length = float(self.lengths.max())  # the longest
         if distance > 5 * self.length:
             raise Unusable(f"a distance of {distance:g} is more than five segments")
         self.axis = np.zeros_like(self.position)
@@ -84,8 +90,7 @@ class Fabric:
     def touching(self, distance: float) -> tuple[Array, Array]:
         """Pairs of segments side by side, both ways round."""
         found = []
-        reach = 0.75 * self.length
-        for a, b in self.near(np.hypot(distance, reach)):
+        for a, b in self.near(np.hypot(distance, 0.75 * self.length)):
             differ = self.fibre[a] != self.fibre[b]
             a, b = a[differ], b[differ]
             cosine = np.einsum("ij,ij->i", self.axis[a], self.axis[b])
@@ -96,6 +101,9 @@ class Fabric:
             axis /= np.linalg.norm(axis, axis=1, keepdims=True)
             shift = np.einsum("ij,ij->i", apart, axis)
             aside = np.einsum("ij,ij->i", apart, apart) - shift**2
+            # They overlap by a quarter of the shorter one: those of one length lie 0.75 T apart.
+            one, other = self.lengths[a], self.lengths[b]
+            reach = 0.5 * np.maximum(one, other) + 0.25 * np.minimum(one, other)
             side = (np.abs(shift) <= reach) & (aside < distance**2)
             found.append((a[side], b[side]))
         a, b = (np.concatenate(rows) for rows in zip(*found))
