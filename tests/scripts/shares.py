@@ -3,6 +3,7 @@ import os
 import sys
 import unittest
 
+import h5py
 import numpy as np
 from support import FolderTest, write_state
 
@@ -89,6 +90,22 @@ class Shares(FolderTest):
         self.assertEqual(len(strains), len(frames))
         self.assertEqual(strains, sorted(strains))
         self.assertTrue(os.path.exists(self.path("out.png")))
+
+    def test_a_soft_piece_has_its_digits(self):
+        last = self.pull("-soft_fibre_young 1e-3", "-stiff_fibre_young 3e-3")[-1]
+        stress = shares.stress_by_kind(shares.Pull(last, states.read(last)), states.read(last))
+        self.assertLess(np.abs(stress).max(), 5e-5)
+        words = self.shares(last).stdout.splitlines()[1].split()
+        self.assertEqual([words[1], words[3]], [f"{part:.4g}" for part in stress])
+
+    def test_links_are_named_as_left_out(self):
+        last = self.pull()[-1]
+        with h5py.File(self.path(last), "r+") as file:
+            file["link/segments"] = [[[0, 15], [1, 15]]]
+        done = self.shares(last)
+        self.assertEqual((done.returncode, done.stderr),
+                         (0, "shares: warning: what links carry is not in it\n"))
+        self.assertIn("links", self.shares("--help").stdout)
 
     def test_what_is_no_tension_test_is_refused_in_one_line(self):
         write_state(self.path("still.h5"), [np.eye(3)])
