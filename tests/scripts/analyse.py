@@ -409,6 +409,20 @@ class Loads(unittest.TestCase):
         self.assertEqual((found["energy_stretch_thin"], found["energy_pair_thick"]), (231, 5 * 147))
         self.assertEqual(found["energy_elastic_thick"], 10 * 147)
 
+    def test_energy_of_links_is_named(self):
+        one = sample.Sample("made", self.state, Settings())
+        one.fields = {f"{part}_energy": np.ones(28)
+                      for part in ("stretch", "shear", "bending", "torsion", "pair")}
+        for links, stretch, elastic in (
+                ([], "stretch of thin", "all of the bonds of thin"),
+                ([[0, 12]], "stretch of thin in bonds and links",
+                 "all of the bonds and links of thin")):
+            self.state.links = np.reshape(links, (-1, 2)).astype(int)
+            text = {column.name: column.meaning
+                    for column in survey.TOPICS["energy"](one).columns}
+            self.assertEqual((text["energy_stretch_thin"], text["energy_elastic_thin"],
+                              text["energy_pair_thin"]), (stretch, elastic, "pair of thin"))
+
     def test_bundle_of_three(self):
         places = [(0, 0), (17.3, 0), (17.3 / 2, 15), (300, 0)]
         found = measured(state_of([line((0, y, z), (1, 0, 0)) for y, z in places]), "bundles")

@@ -40,7 +40,7 @@ def stress(sample: Sample) -> Findings:
 
 
 def energy(sample: Sample) -> Findings:
-    """Half of a bond's or pair's energy belongs to each of its segments."""
+    """Half of a bond's, link's or pair's energy belongs to each of its segments."""
     lacking = [part for part in PARTS if f"{part}_energy" not in sample.fields]
     if lacking:
         raise Lacking(f"{sample.name}: no {lacking[0]}_energy in /field; snapshots have it"
@@ -49,13 +49,16 @@ def energy(sample: Sample) -> Findings:
     unit = "J" if sample.state.units == "si" else "eV"
     found = Findings(trends=tuple(f"energy_{part}{'_' * bool(name) + name}" for name in names
                                   for part in ("elastic", "pair")))
+    linked = len(sample.state.links) + sample.state.broken_links > 0
+    holders = "bonds and links" if linked else "bonds"
     for k, name in enumerate(names):
         mine, tail = sample.state["kind"] == k, "_" * bool(name) + name
         sums = [float(sample.fields[f"{part}_energy"][mine].sum(dtype=float)) for part in PARTS]
         of = f" of {name}" * bool(name)
         for part, value in zip(PARTS, sums):
-            found.add(f"energy_{part}{tail}", value, unit, f"{part}{of}")
-        found.add(f"energy_elastic{tail}", sum(sums[:4]), unit, f"all of the bonds{of}")
+            where = f" in {holders}" * (linked and part != "pair")
+            found.add(f"energy_{part}{tail}", value, unit, f"{part}{of}{where}")
+        found.add(f"energy_elastic{tail}", sum(sums[:4]), unit, f"all of the {holders}{of}")
         found.curves.append(Curve(f"energy{tail}", np.arange(5.0), np.array(sums),
                                   ("", f"energy{of}, {unit}"), "bars", PARTS))
     return found
