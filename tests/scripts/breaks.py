@@ -46,10 +46,11 @@ class Breaks(FolderTest):
                               ["2", "38", "both", f"{335 / 300:.3f}", "0.500", "10 ps to 20 ps"],
                               ["3", "7", "both", f"{25 / 300:.3f}", "0.250", "10 ps to 20 ps"]])
             self.assertEqual(lines[5], "broken bonds: 3 in 3 fibres")
-            self.assertEqual(lines[7].split()[-5:], ["1", "0", "1", "0", "1"])
+            # The one in the grip, of which both ends are held, is not counted.
+            self.assertEqual(lines[7].split()[-5:], ["1", "0", "1", "0", "0"])
             # Of the five tubes two are at the edge, two half way to the middle, one in the middle.
             self.assertEqual(lines[8].split()[-5:], ["40.0", "0.0", "40.0", "0.0", "20.0"])
-            self.assertEqual(lines[9].split()[-5:], ["2", "0", "0", "0", "1"])
+            self.assertEqual(lines[9].split()[-5:], ["1", "0", "0", "0", "1"])
             self.assertEqual(lines[10].split()[-5:], ["20.0"] * 5)
 
     def test_broken_links_are_counted_beside_the_bonds(self):
@@ -112,6 +113,23 @@ class Breaks(FolderTest):
             self.assertIn(f"gage {gage}, width", done.stdout)
             self.assertEqual(done.stdout.splitlines()[2].split()[3],
                              f"{0.5 - 5 / gage:.3f}")
+
+    def test_bonds_that_pass_a_face_are_of_both_rows(self):
+        # Faces at 58 and 342, behind the middles of the bonds from 50 to 60 and from 340 to 350.
+        torn = [(0, 5), (1, 34)]
+        self.write("a.h5", 0)
+        self.write("b.h5", 1, torn)
+        for name in "a.h5", "b.h5":
+            with h5py.File(self.path(name), "r+") as file:
+                file.require_group("run").attrs.update(
+                    tension=[0, 284, 400], tension_axis=[0], tension_ends=[0.0, 400.0],
+                    tension_grip=[58.0], tension_strain=[0.0, 0.0])
+        done = self.breaks("a.h5", "b.h5")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        broken, of_all = (line.split()[-5:] for line in done.stdout.splitlines()[-2:])
+        self.assertEqual(broken, ["2", "0", "0", "0", "0"])
+        # Of 15 in each half four lie within 28.4 of the face or behind it.
+        self.assertEqual(of_all, ["26.7", "13.3", "20.0", "20.0", "20.0"])
 
     def test_edges_given(self):
         self.write("a.h5", 0)

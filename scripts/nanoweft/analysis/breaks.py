@@ -26,7 +26,8 @@ class Sheet:
         if not (held[0].any() and held[1].any()):
             raise Unusable(f"{name}: no segments held by two grips (bits 28 and 29 of group)")
         self.axis, self.left, self.right = faces(state, *(place[one] for one in held))
-        between = place[~(held[0] | held[1])]
+        gripped = held[0] | held[1]
+        between = place[~gripped]
         if self.right <= self.left or not len(between):
             raise Unusable(f"{name}: nothing lies between the grips")
         # The wider of the two other directions is the width: of the box where it goes round.
@@ -46,6 +47,9 @@ class Sheet:
         self.bond = np.flatnonzero((np.diff(self.fibre) == 0) & (np.diff(self.index) == 1))
         self.middle = np.array(place)
         self.middle[self.bond] = (place[self.bond] + place[self.bond + 1]) / 2
+        # A bond of which both ends are held is not pulled; one that a grip's face passes is.
+        self.pulled = ~gripped
+        self.pulled[self.bond] |= ~gripped[self.bond + 1]
         by = [np.isin(self.fibre, self.fibre[side]) for side in held]
         self.gripped = np.select([by[0] & by[1], *by], ["both", "left", "right"], "neither")
 
