@@ -87,6 +87,22 @@ class Plot(FolderTest):
         self.assertGreater(np.ptp(height), 100)
         self.assertLess(np.abs(height - fit).max(), 0.05 * np.ptp(height))
 
+    def test_fire_is_drawn_over_steps(self):
+        time = np.arange(0, 4000.0, 10)
+        columns = energies(time, 30 + 200 * np.exp(-time / 500))
+        write_table(self.path("motion.csv"), columns, "nanoweft 0.1.0", "-ts_dt 20")
+        write_table(self.path("fire.csv"), columns, "nanoweft 0.1.0", "-relax_method fire")
+        motion, fire = (tables.read(self.path(f"{name}.csv")) for name in ("motion", "fire"))
+        for one, over, constant in (([motion], "time, ps", "time constant 0.502 ps,"),
+                                    ([fire], "step", "constant 25 steps,"),
+                                    ([motion, fire], "step", "constant 25 steps,")):
+            for kind in "energy", "convergence":
+                bottom = plots.draw(kind, one, ["one", "two"][:len(one)]).axes[-1]
+                self.assertEqual(bottom.get_xlabel(), over)
+            for line in bottom.get_legend().get_texts():
+                self.assertIn(constant, line.get_text())
+            self.assertNotIn("time constant" if over == "step" else "steps", line.get_text())
+
     def test_every_run_has_its_colour(self):
         time = np.arange(0, 4000.0, 10)
         write_table(self.path("a.csv"), energies(time, 30 + 200 * np.exp(-time / 500)))

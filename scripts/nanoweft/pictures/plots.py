@@ -41,6 +41,20 @@ def one_system(tables: Tables) -> str:
     return tables[0].units
 
 
+def by_fire(table: Table) -> bool:
+    """Whether the run was relaxed by FIRE, by its options."""
+    return options.parse("\n".join(table.options)).get("relax_method") == "fire"
+
+
+def progress(tables: Tables) -> tuple[list[Array], str, str]:
+    """What the tables are drawn over, with its unit and its axis' name: time, or steps where one
+    is of FIRE, whose time is no physical one."""
+    if any(map(by_fire, tables)):
+        return [table.need("step")["step"] for table in tables], "steps", "step"
+    unit, second = unit_for([table.time for table in tables], TIME)
+    return [table.time / second for table in tables], unit, f"time, {unit}"
+
+
 def largest_change(table: Table) -> float:
     """Of any energy in the run."""
     exchanged = [table.elastic, table.motion,
@@ -52,7 +66,7 @@ def largest_change(table: Table) -> float:
 
 def plot_energy(tables: Tables, labels: Labels) -> Figure:
     ladder = ENERGY[one_system(tables)]
-    time_unit, second = unit_for([table.time for table in tables], TIME)
+    times, _, time_name = progress(tables)
     unit, factor = unit_for([table.elastic for table in tables], ladder)
     pair_unit, pair_factor = unit_for([table["pair"] for table in tables], ladder)
 
@@ -60,8 +74,7 @@ def plot_energy(tables: Tables, labels: Labels) -> Figure:
         3, sharex=True, figsize=(7, 7.2), layout="constrained",
         gridspec_kw={"height_ratios": (3, 1.6, 2)})
     single = len(tables) == 1
-    for table, label, colour in zip(tables, labels, CYCLE * len(tables)):
-        time = table.time / second
+    for table, time, label, colour in zip(tables, times, labels, CYCLE * len(tables)):
         top.plot(time, table.elastic / factor, color=INK if single else colour,
                  lw=2.2 if single else 1.4, label="sum" if single else label)
         if single:
@@ -79,7 +92,7 @@ def plot_energy(tables: Tables, labels: Labels) -> Figure:
     middle.set_ylabel(f"pair energy, {pair_unit}")
     unit, factor = unit_for([np.array([largest_change(table)]) for table in tables], ladder)
     scale = f"{largest_change(tables[-1]) / factor:.4g} {unit}" if single else "each run's own"
-    bottom.set(yscale="log", xlabel=f"time, {time_unit}",
+    bottom.set(yscale="log", xlabel=time_name,
                ylabel="relative to largest\nenergy change")
     bottom.set_title(f"largest energy change: {scale}", loc="right", fontsize=8, color=GREY)
     # Above the axes, where no curve can hide them.
@@ -92,16 +105,19 @@ def plot_energy(tables: Tables, labels: Labels) -> Figure:
 
 def plot_convergence(tables: Tables, labels: Labels) -> Figure:
     unit, factor = unit_for([table.elastic for table in tables], ENERGY[one_system(tables)])
-    time_unit, second = unit_for([table.time for table in tables], TIME)
+    times, time_unit, time_name = progress(tables)
     figure, (top, bottom) = plt.subplots(2, sharex=True, figsize=(7, 6), layout="constrained",
                                          gridspec_kw={"height_ratios": (1, 1.5)})
     single = len(tables) == 1
-    for table, label, colour in zip(tables, labels, CYCLE * len(tables)):
-        time, elastic = table.time / second, table.elastic / factor
+    for table, time, label, colour in zip(tables, times, labels, CYCLE * len(tables)):
+        elastic = table.elastic / factor
         fit = fit_decay(time, elastic)
         plateau = fit.plateau if fit else float(elastic.min())
-        text = (f"time constant {fit.constant:.3g} {time_unit}, plateau {plateau:.4g} {unit}" if fit
-                else "no plateau yet: above its lowest value")
+        text = "no plateau yet: above its lowest value"
+        if fit:
+            pace = (f"constant {fit.constant:.0f}" if time_unit == "steps" else
+                    f"time constant {fit.constant:.3g}")
+            text = f"{pace} {time_unit}, plateau {plateau:.4g} {unit}"
         if fit and elastic[-1] < plateau:
             text += f", passed: {elastic[-1]:.4g} {unit} at the end"
         top.plot(time, elastic, color=colour)
@@ -116,7 +132,7 @@ def plot_convergence(tables: Tables, labels: Labels) -> Figure:
     bottom.set_yscale("log")
     # Where the energy passes the plateau its logarithm falls without end.
     low, high = bottom.get_ylim()
-    bottom.set(ylim=(max(low, 1e-5 * high), high), xlabel=f"time, {time_unit}",
+    bottom.set(ylim=(max(low, 1e-5 * high), high), xlabel=time_name,
                ylabel=f"above its plateau, {unit}")
     bottom.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.2)
     figure.align_ylabels()
